@@ -1,0 +1,106 @@
+"""What both command lines share: errors without tracebacks, quantities as options, progress."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from analog_card.errors import AnalogCardError, InputError
+from analog_card.quantities import to_si
+
+
+class Refusal(click.ClickException):
+    """A message for the user on standard error and an exit status, no traceback."""
+
+    def __init__(self, message: str, exit_code: int = 2):
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+class CommandGroup(click.Group):
+    """A command group that turns the packages' own exceptions into messages.
+
+    Exit status 2 for unusable input; an exception with an `exit_code` of its own keeps it.
+    """
+
+    own_errors: tuple[type[Exception], ...] = (AnalogCardError,)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; exceptions meant for the user become messages."""
+        try:
+            return super().invoke(ctx)
+        except self.own_errors as problem:
+            raise Refusal(str(problem), getattr(problem, "exit_code", 2)) from problem
+        except OSError as problem:
+            where = f"{problem.filename}: " if problem.filename else ""
+            raise Refusal(f"{where}{problem.strerror or problem}") from problem
+
+
+class Quantity(click.ParamType):
+    """An option that takes a number in SI or a number with a unit, such as ``70ms``.
+
+    Parameters
+    ----------
+    unit : str
+        The SI unit of the value.
+    minimum : float, optional
+        The value has to be greater than this [unit].
+    """
+
+    def __init__(self, unit: str, minimum: float | None = None):
+        self.unit = unit
+        self.minimum = minimum
+        self.name = unit or "number"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the value in SI."""
+        try:
+            number = to_si(value, self.unit, param.opts[-1] if param else "value")
+        except InputError as problem:
+            self.fail(str(problem), param, ctx)
+        if self.minimum is not None and number <= self.minimum:
+            self.fail(f"{value!r} is not greater than {self.minimum:g} {self.unit}", param, ctx)
+        return number
+
+
+@contextmanager
+def progress(total: int | None = None) -> Iterator[Any]:
+    """Yield a function that names the step now running, in one line on standard error.
+
+    Quiet when standard error is not a terminal.
+
+    Parameters
+    ----------
+    total : int, optional
+        How many steps there are; without it no count is shown.
+    """
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    console = Console(stderr=True)
+    columns: list[Any] = [SpinnerColumn(), TextColumn("{task.description}")]
+    if total is not None:
+        columns += [BarColumn(bar_width=20), MofNCompleteColumn()]
+    with Progress(
+        *columns,
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    ) as bar:
+        task = bar.add_task("starting", total=total, completed=-1)
+
+        def step(description: str) -> None:
+            bar.update(task, description=description, advance=1)
+
+        yield step

@@ -1,0 +1,159 @@
+"""Numbers with units, as people type them, turned into SI."""
+
+import math
+from functools import cache
+from typing import Any
+
+from analog_card.errors import InputError
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+    return registry
+
+
+def to_si(value: str | float, unit: str, what: str = "value") -> float:
+    """Return a quantity as a number in the given SI unit.
+
+    Parameters
+    ----------
+    value : str or float
+        A number with a unit, such as ``"70 ms"``; a plain number is taken to be in `unit` already.
+    unit : str
+        The SI unit of the result, such as ``"s"``; ``""`` for a pure number.
+    what : str, optional
+        What the quantity is, for the error message.
+
+    Returns
+    -------
+    float
+        The value [unit].
+
+    Raises
+    ------
+    InputError
+        When the text is not a number with a unit, the unit is unknown or has another
+        dimension, or the value is not finite.
+
+    Examples
+    --------
+    >>> to_si("70 ms", "s")
+    0.07
+    >>> to_si(5, "V")
+    5.0
+    >>> to_si("6.82 bar", "kg", "load_mass")
+    Traceback (most recent call last):
+    analog_card.errors.InputError: load_mass: '6.82 bar' has the unit of a pressure, ...
+    """
+    number = _convert(value, unit, what)
+    if not math.isfinite(number):
+        raise InputError(f"{what}: {value!r} is not a finite number{_example(unit)}")
+    return number
+
+
+def unit_factor(found: str, unit: str, what: str = "unit") -> tuple[float, float]:
+    """Return scale and offset that turn numbers in one unit into another.
+
+    Parameters
+    ----------
+    found : str
+        The unit the numbers are in, such as ``"mm"`` or ``"degC"``.
+    unit : str
+        The unit wanted, such as ``"m"`` or ``"K"``.
+    what : str, optional
+        Whose unit it is, for the error message.
+
+    Returns
+    -------
+    scale, offset : float
+        wanted = scale * found + offset.
+
+    Raises
+    ------
+    InputError
+        When the unit is unknown or has another dimension.
+
+    Examples
+    --------
+    >>> unit_factor("mm", "m")
+    (0.001, 0.0)
+    """
+    at_zero = _convert(f"0 {found}", unit, what)
+    at_one = _convert(f"1 {found}", unit, what)
+    return at_one - at_zero, at_zero
+
+
+def _convert(value: str | float, unit: str, what: str) -> float:
+    import pint
+
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f"{what}: {value!r} is not a quantity{_example(unit)}")
+    if isinstance(value, int | float):
+        return float(value)
+    registry = _registry()
+    try:
+        # Parsed as number and unit, never evaluated as an expression with functions.
+        quantity = registry.Quantity(value.strip())
+    except Exception as problem:
+        raise InputError(
+            f"{what}: {value!r} cannot be read as a number with a unit{_example(unit)}"
+        ) from problem
+    if quantity.unitless and str(quantity.units) == "dimensionless":
+        return float(quantity.magnitude)
+    try:
+        return float(quantity.to(unit or "dimensionless").magnitude)
+    except pint.DimensionalityError as problem:
+        raise InputError(
+            f"{what}: {value!r} has the unit of {_dimension(quantity)}, "
+            f"{_dimension(registry.Quantity(1.0, unit or 'dimensionless'))} is needed{_example(unit)}"
+        ) from problem
+
+
+_DIMENSIONS = {
+    "V": "a voltage",
+    "A": "a current",
+    "Pa": "a pressure",
+    "m": "a length",
+    "m**2": "an area",
+    "m**3": "a volume",
+    "kg": "a mass",
+    "s": "a time",
+    "Hz": "a frequency",
+    "K": "a temperature",
+    "N": "a force",
+    "m/s": "a velocity",
+    "m/s**2": "an acceleration",
+    "ohm": "a resistance",
+    "F": "a capacitance",
+    "kg/s": "a mass flow",
+    "": "a pure number",
+}
+_EXAMPLES = {
+    "V": "5 V",
+    "Pa": "6.5 bar",
+    "m": "30 mm",
+    "kg": "1.82 kg",
+    "s": "70 ms",
+    "Hz": "610 Hz",
+    "K": "20 degC",
+    "N": "5 N",
+    "ohm": "120 kohm",
+    "F": "100 nF",
+    "m**3": "50 cm**3",
+    "": "0.7",
+}
+
+
+def _dimension(quantity: Any) -> str:
+    for unit, name in _DIMENSIONS.items():
+        if quantity.check(_registry().Quantity(1.0, unit or "dimensionless").dimensionality):
+            return name
+    return str(quantity.dimensionality)
+
+
+def _example(unit: str) -> str:
+    example = _EXAMPLES.get(unit)
+    return f"; write for example {example!r}" if example else ""

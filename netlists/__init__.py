@@ -1,0 +1,1 @@
+"""SPICE netlists of the analogue card, as plain files that any ngspice user can open."""

@@ -1,0 +1,38 @@
+"""The command ``pneuservo``: one module per subcommand, loaded when it is called."""
+
+import importlib
+
+import click
+
+from analog_card.console import CommandGroup
+from analog_card.errors import AnalogCardError
+from pneuservo.errors import PneuservoError
+
+_COMMANDS = {
+    "demo": "The main job end to end: tune, simulate, close the loop, diagnose, report.",
+    "diagnose": "Say where and why a simulation differs from recordings.",
+    "simulate": "Simulate a rig: replay a recording's command, or close a loop.",
+}
+
+
+class _LazyGroup(CommandGroup):
+    own_errors = (PneuservoError, AnalogCardError)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in _COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"{__name__}.{name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(_COMMANDS.items()))
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="pneuservo")
+def main() -> None:
+    """Simulate, tune and diagnose pneumatic servos."""

@@ -1,0 +1,1 @@
+"""Compiled physics of the rigs: every equation once."""

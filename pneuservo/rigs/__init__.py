@@ -1,0 +1,1 @@
+"""Rigs as data: one TOML per rig, every value with unit and source."""
