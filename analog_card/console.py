@@ -10,14 +10,6 @@ from analog_card.errors import AnalogCardError, InputError
 from analog_card.quantities import to_si
 
 
-class Refusal(click.ClickException):
-    """A message for the user on standard error and an exit status, no traceback."""
-
-    def __init__(self, message: str, exit_code: int = 2):
-        super().__init__(message)
-        self.exit_code = exit_code
-
-
 class CommandGroup(click.Group):
     """A command group that turns the packages' own exceptions into messages.
 
@@ -31,10 +23,12 @@ class CommandGroup(click.Group):
         try:
             return super().invoke(ctx)
         except self.own_errors as problem:
-            raise Refusal(str(problem), getattr(problem, "exit_code", 2)) from problem
+            message, status = str(problem), getattr(problem, "exit_code", 2)
         except OSError as problem:
             where = f"{problem.filename}: " if problem.filename else ""
-            raise Refusal(f"{where}{problem.strerror or problem}") from problem
+            message, status = f"{where}{problem.strerror or problem}", 2
+        click.echo(f"Error: {message}", err=True)
+        ctx.exit(status)
 
 
 class Quantity(click.ParamType):

@@ -106,9 +106,10 @@ def _convert(value: str | float, unit: str, what: str) -> float:
     try:
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as problem:
+        wanted = _dimension(registry.Quantity(1.0, unit or "dimensionless"))
         raise InputError(
             f"{what}: {value!r} has the unit of {_dimension(quantity)}, "
-            f"{_dimension(registry.Quantity(1.0, unit or 'dimensionless'))} is needed{_example(unit)}"
+            f"{wanted} is needed{_example(unit)}"
         ) from problem
 
 

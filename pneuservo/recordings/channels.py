@@ -32,10 +32,8 @@ CHANNELS: dict[str, Channel] = {
         Channel("displacement", "m", "piston displacement, 0 = fully retracted"),
         Channel("velocity", "m/s", "piston velocity, measured"),
         Channel("acceleration", "m/s**2", "piston acceleration, measured"),
-        Channel(
-            "pressure_a", "Pa", "absolute pressure of the chamber on the full piston area", True
-        ),
-        Channel("pressure_b", "Pa", "absolute pressure of the chamber on the rod side", True),
+        Channel("pressure_a", "Pa", "absolute pressure in chamber a, the full piston area", True),
+        Channel("pressure_b", "Pa", "absolute pressure in chamber b, the rod side", True),
         Channel("supply_pressure", "Pa", "absolute pressure at the valve's supply port", True),
         Channel("temperature_a", "K", "gas temperature in chamber a"),
         Channel("temperature_b", "K", "gas temperature in chamber b"),

@@ -1,0 +1,257 @@
+"""A rig: which chain of blocks it is, and the numbers in them."""
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from analog_card.errors import InputError as QuantityError
+from analog_card.quantities import to_si
+from pneuservo.errors import InputError
+
+BUILT_IN_RIGS = (
+    "single-axis",
+    "figure-arm",
+    "dead-volume",
+    "seal-tester",
+    "circuit",
+    "analogue-card",
+)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a rig.
+
+    Parameters
+    ----------
+    value : float
+        The value in SI.
+    unit : str
+        Its SI unit; ``""`` for a pure number.
+    tolerance : float, optional
+        How well the value is known, one standard deviation relative to it; 0 when exact [-].
+    free : bool, optional
+        Whether nothing is known beforehand, so that a fit has to find it.
+    source : str, optional
+        Where the value comes from.
+    """
+
+    value: float
+    unit: str
+    tolerance: float = 0.0
+    free: bool = False
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A rig as data.
+
+    Parameters
+    ----------
+    name : str
+        Its name, or the path of its file.
+    kind : str
+        Which chain of blocks it is: one of `BUILT_IN_RIGS`.
+    title : str
+        What people call it.
+    parameters : mapping of str to Parameter
+        Parameter id, ``block.quantity``, to value, unit, tolerance and source.
+    effects : mapping of str to mapping
+        Effect id to its parameter values in SI; physics beyond the baseline, as a repaired
+        model has it. Empty for the baseline.
+    valve : str, optional
+        Name of the valve whose tables are used; ``""`` without a valve.
+    """
+
+    name: str
+    kind: str
+    title: str
+    parameters: Mapping[str, Parameter]
+    effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    valve: str = ""
+
+    def __getitem__(self, parameter: str) -> float:
+        """Return the value of a parameter in SI."""
+        return self.parameters[parameter].value
+
+    @property
+    def conditions(self) -> dict[str, str]:
+        """Return condition key to parameter id: the id with underscores for dots and hyphens."""
+        return {key.replace(".", "_").replace("-", "_"): key for key in self.parameters}
+
+    def with_values(self, values: Mapping[str, float]) -> "Rig":
+        """Return the rig with some parameter values replaced.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Parameter id to value in SI.
+
+        Returns
+        -------
+        Rig
+            A new rig; this one is unchanged.
+
+        Raises
+        ------
+        InputError
+            When a parameter is not known; the message names the nearest one.
+        """
+        parameters = dict(self.parameters)
+        for key, value in values.items():
+            _require_known(key, parameters, f"rig {self.name}")
+            parameters[key] = replace(parameters[key], value=value)
+        return replace(self, parameters=parameters)
+
+    def with_conditions(self, conditions: Mapping[str, float]) -> "Rig":
+        """Return the rig with what was measured for one run.
+
+        Parameters
+        ----------
+        conditions : mapping of str to float
+            Condition key, such as ``load_mass``, to value in SI.
+
+        Returns
+        -------
+        Rig
+            A new rig; this one is unchanged.
+        """
+        known = self.conditions
+        for key in conditions:
+            _require_known(key, known, "conditions")
+        return self.with_values({known[key]: value for key, value in conditions.items()})
+
+
+def load_rig(name_or_path: str | Path) -> Rig:
+    """Return a built-in rig, or the rig in a TOML file.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A name of `BUILT_IN_RIGS`, or the path of a file. A file names its ``kind`` and need
+        only state what differs from the built-in rig of that kind.
+
+    Returns
+    -------
+    Rig
+        The rig, every value in SI.
+
+    Raises
+    ------
+    InputError
+        When there is no such rig or file, or the file holds an unknown key, an unknown
+        parameter, or a value of the wrong dimension.
+
+    Examples
+    --------
+    >>> load_rig("single-axis")["load.mass"]
+    1.825
+    """
+    name = str(name_or_path)
+    if name in BUILT_IN_RIGS:
+        return _built_in(name)
+    path = Path(name)
+    if path.suffix != ".toml":
+        raise InputError(
+            f"rig {name!r} is not known; there are: {', '.join(BUILT_IN_RIGS)}, "
+            "or give the path of a rig file ending in .toml" + _nearest(name, BUILT_IN_RIGS)
+        )
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as problem:
+        raise InputError(f"{path}: there is no such rig file") from problem
+    except (OSError, UnicodeDecodeError) as problem:
+        raise InputError(f"{path}: cannot be read as text: {problem}") from problem
+    except tomllib.TOMLDecodeError as problem:
+        raise InputError(f"{path}: is not valid TOML: {problem}") from problem
+    return _merge(data, path)
+
+
+def _built_in(name: str) -> Rig:
+    data = tomllib.loads((files("pneuservo.rigs") / f"{name}.toml").read_text(encoding="utf-8"))
+    head = data["rig"]
+    parameters = {
+        key: _parameter(entry, str(entry["unit"]), key) for key, entry in data["parameters"].items()
+    }
+    return Rig(name, head["kind"], head["title"], parameters, valve=head.get("valve", ""))
+
+
+def _merge(data: dict[str, Any], path: Path) -> Rig:
+    # `diagnosis` is what a repaired model says of how it came about; it changes nothing.
+    for key in data:
+        _require_known(key, ("rig", "parameters", "effects", "diagnosis"), str(path))
+    head = _table(data, "rig", path)
+    kind = head.get("kind")
+    if kind not in BUILT_IN_RIGS:
+        raise InputError(
+            f"{path}: [rig] kind is {kind!r}; allowed are: {', '.join(BUILT_IN_RIGS)}"
+            + _nearest(str(kind), BUILT_IN_RIGS)
+        )
+    for key in head:
+        _require_known(key, ("kind", "title", "valve"), f"{path} [rig]")
+    base = _built_in(kind)
+    parameters = dict(base.parameters)
+    for key, entry in _table(data, "parameters", path).items():
+        _require_known(key, parameters, f"{path} [parameters]")
+        parameters[key] = _parameter(entry, parameters[key].unit, f"{path} {key}", parameters[key])
+    effects = {
+        key: _effect(entry, f"{path} [effects] {key}")
+        for key, entry in _table(data, "effects", path).items()
+    }
+    title, valve = head.get("title", base.title), head.get("valve", base.valve)
+    return Rig(str(path), kind, str(title), parameters, effects, str(valve))
+
+
+def _table(data: dict[str, Any], key: str, path: Path) -> dict[str, Any]:
+    table = data.get(key, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{path}: {key} has to be a table, [{key}]")
+    return table
+
+
+def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) -> Parameter:
+    if not isinstance(entry, dict):
+        entry = {"value": entry}
+    fields = ("value", "unit", "tolerance", "free", "source", "low", "high")
+    for key in entry:
+        _require_known(key, fields, what)
+    base = base or Parameter(float("nan"), unit)
+    if entry.get("unit", unit) != unit:
+        raise InputError(f"{what}: the unit is {entry['unit']!r}, it has to be {unit!r}")
+    try:
+        value = to_si(entry.get("value", base.value), unit, what)
+        tolerance = to_si(entry.get("tolerance", base.tolerance), "", f"{what} tolerance")
+    except QuantityError as problem:
+        raise InputError(str(problem)) from problem
+    free, source = bool(entry.get("free", base.free)), str(entry.get("source", base.source))
+    return Parameter(value, unit, tolerance, free, source)
+
+
+def _effect(entry: Any, what: str) -> dict[str, float]:
+    if not isinstance(entry, dict):
+        raise InputError(f"{what}: has to be a table of parameter values")
+    values: dict[str, float] = {}
+    for key, value in entry.items():
+        number = value.get("value") if isinstance(value, dict) else value
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise InputError(f"{what} {key}: {number!r} is not a number in SI")
+        values[key] = float(number)
+    return values
+
+
+def _require_known(key: str, known: Any, where: str) -> None:
+    if key not in known:
+        raise InputError(
+            f"{where}: {key!r} is not known; there are: {', '.join(sorted(known))}"
+            + _nearest(key, known)
+        )
+
+
+def _nearest(key: str, known: Any) -> str:
+    close = difflib.get_close_matches(key, list(known), 1)
+    return f". Did you mean {close[0]!r}?" if close else ""
