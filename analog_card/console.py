@@ -28,7 +28,7 @@ class CommandGroup(click.Group):
             where = f"{problem.filename}: " if problem.filename else ""
             message, status = f"{where}{problem.strerror or problem}", 2
         click.echo(f"Error: {message}", err=True)
-        ctx.exit(status)
+        raise click.exceptions.Exit(status)
 
 
 class Quantity(click.ParamType):
