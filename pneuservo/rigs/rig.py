@@ -33,7 +33,7 @@ class Parameter:
     unit : str
         Its SI unit; ``""`` for a pure number.
     tolerance : float, optional
-        How well the value is known, one standard deviation relative to it; 0 when exact [-].
+        How well the value is known, one standard deviation; 0 when exact [unit].
     free : bool, optional
         Whether nothing is known beforehand, so that a fit has to find it.
     source : str, optional
@@ -83,6 +83,11 @@ class Rig:
     def conditions(self) -> dict[str, str]:
         """Return condition key to parameter id: the id with underscores for dots and hyphens."""
         return {key.replace(".", "_").replace("-", "_"): key for key in self.parameters}
+
+    @property
+    def effect_values(self) -> dict[str, float]:
+        """Return the parameters of all effects by ``effect:parameter``."""
+        return {f"{e}:{p}": value for e, values in self.effects.items() for p, value in values.items()}
 
     def with_values(self, values: Mapping[str, float]) -> "Rig":
         """Return the rig with some parameter values replaced.
@@ -224,12 +229,21 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
     if entry.get("unit", unit) != unit:
         raise InputError(f"{what}: the unit is {entry['unit']!r}, it has to be {unit!r}")
     try:
-        value = to_si(entry.get("value", base.value), unit, what)
-        tolerance = to_si(entry.get("tolerance", base.tolerance), "", f"{what} tolerance")
+        value = to_si(entry["value"], unit, what) if "value" in entry else base.value
+        tolerance = base.tolerance
+        if "tolerance" in entry:
+            tolerance = _tolerance(entry["tolerance"], value, unit, f"{what} tolerance")
     except QuantityError as problem:
         raise InputError(str(problem)) from problem
     free, source = bool(entry.get("free", base.free)), str(entry.get("source", base.source))
     return Parameter(value, unit, tolerance, free, source)
+
+
+def _tolerance(tolerance: Any, value: float, unit: str, what: str) -> float:
+    """Return a tolerance in the unit of the value; a percentage or a number is relative to it."""
+    if isinstance(tolerance, str) and not tolerance.strip().endswith("%"):
+        return abs(to_si(tolerance, unit, what))
+    return abs(to_si(tolerance, "", what) * value)
 
 
 def _effect(entry: Any, what: str) -> dict[str, float]:

@@ -1,0 +1,143 @@
+"""The diagnosis of a set of recordings: four questions and their answers."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit, fit
+from pneuservo.diagnosis.models import Case, Model, model_of
+from pneuservo.diagnosis.search import Search
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording
+from pneuservo.rigs import Rig, load_rig
+
+UNEXPLAINED_RATIO = 1.5
+"""Residual over noise beyond which a coloured residual counts as unexplained."""
+COLOURED = 0.2
+"""A residual worth fewer than this share of its samples is coloured."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What was found; `document` makes the answer of it.
+
+    Parameters
+    ----------
+    rig : Rig
+        The rig the recordings belong to.
+    model : Model
+        Its model.
+    search : Search
+        Everything that was tried.
+    held_back : sequence of Case
+        Prepared recordings that were kept out of the fits.
+    before_held_back, after_held_back : Fit or None
+        Baseline and chosen model on them, only the recordings' own values fitted.
+    """
+
+    rig: Rig
+    model: Model
+    search: Search
+    held_back: Sequence[Case]
+    before_held_back: Fit | None
+    after_held_back: Fit | None
+
+    @property
+    def verdict(self) -> str:
+        """Return consistent, parameter, missing-physics or unexplained."""
+        accepted = self.search.accepted
+        if any(not member.startswith("param.") for member in accepted):
+            return "missing-physics"
+        if accepted:
+            return "parameter"
+        return "unexplained" if self.structure_remains else "consistent"
+
+    @property
+    def structure_remains(self) -> bool:
+        """Return whether the chosen model leaves more than noise behind."""
+        chosen = self.search.chosen
+        ratio = chosen.rms / self.search.noise_rms
+        return ratio > UNEXPLAINED_RATIO and chosen.effective < COLOURED * chosen.samples
+
+    @property
+    def cases(self) -> list[Case]:
+        """Return all recordings, the ones held back last."""
+        return [*self.search.cases, *self.held_back]
+
+
+def diagnose(
+    recordings: Sequence[Recording],
+    validate: Sequence[Recording] = (),
+    rig: str | Path | Rig | None = None,
+    progress: Callable[[str], None] = lambda step: None,
+) -> Diagnosis:
+    """Compare recordings of one rig with its baseline and say what the baseline lacks.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Recordings to learn from, at least one.
+    validate : sequence of Recording, optional
+        Recordings to be held back: nothing shared is fitted to them.
+    rig : str, Path or Rig, optional
+        The rig, where it is not the one the recordings name; also a repaired ``model.toml``.
+    progress : callable, optional
+        Told in words what is running.
+
+    Returns
+    -------
+    Diagnosis
+        What was found.
+
+    Raises
+    ------
+    InputError
+        When the recordings belong to different rigs, lack a channel, or the diagnosis does not
+        cover the rig.
+    FitError
+        When the baseline cannot be fitted at all.
+    """
+    if not recordings:
+        raise InputError("no recording was given; name at least one file")
+    chosen_rig = _common_rig([*recordings, *validate], rig)
+    model = model_of(chosen_rig.kind)
+    cases, held_back = (
+        [_prepare(model, recording, chosen_rig) for recording in group]
+        for group in (recordings, validate)
+    )
+    search = Search(model, cases, progress)
+    search.run()
+    before = after = None
+    if held_back:
+        progress("predicting what was held back")
+        before, after = (
+            fit(model, held_back, found.hypothesis, fixed=found.shared)
+            for found in (search.baseline, search.chosen)
+        )
+    return Diagnosis(chosen_rig, model, search, held_back, before, after)
+
+
+def _prepare(model: Model, recording: Recording, rig: Rig) -> Case:
+    model.require_channels(recording)
+    return model.prepare(recording, rig.with_conditions(recording.conditions))
+
+
+def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:
+    if isinstance(rig, Rig):
+        return rig
+    if rig is not None:
+        return load_rig(rig)
+    names = sorted({recording.rig for recording in recordings})
+    if len(names) > 1:
+        raise InputError(
+            f"the recordings belong to different rigs ({', '.join(names)}); "
+            "diagnose one rig at a time, or name the one meant with --rig"
+        )
+    return load_rig(names[0])
+
+
+def residual_by_case(found: Fit) -> list[float]:
+    """Return the root-mean-square residual of each recording of a fit [SI]."""
+    return [float(np.sqrt(np.mean(residual**2))) for residual in found.residuals]

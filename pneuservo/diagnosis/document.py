@@ -1,0 +1,236 @@
+"""The answer in the form of the output contract: diagnosis.json and model.toml."""
+
+from typing import Any
+
+import numpy as np
+
+from pneuservo.diagnosis.diagnosis import Diagnosis
+from pneuservo.diagnosis.locate import regime_in_words, strongest_dependence
+from pneuservo.diagnosis.search import UNDECIDED, Search
+from pneuservo.diagnosis.visibility import lookalikes, not_visible
+from pneuservo.effects import CATALOGUE
+
+SCHEMA = 1
+
+
+def document(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the diagnosis as plain data.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+
+    Returns
+    -------
+    dict
+        ``schema``, ``verdict``, ``located``, ``missing``, ``corrected_parameters``,
+        ``cannot_separate``, ``not_visible`` and ``fit``, ready for JSON.
+    """
+    verdict = diagnosis.verdict
+    missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
+    if verdict == "unexplained":
+        missing = [_unexplained(diagnosis)]
+    corrected = _corrected(diagnosis) if verdict != "consistent" else {}
+    return {
+        "schema": SCHEMA,
+        "verdict": verdict,
+        "located": _located(diagnosis) if verdict != "consistent" else [],
+        "missing": sorted(missing, key=lambda entry: -entry["probability"]),
+        "corrected_parameters": corrected,
+        "cannot_separate": _cannot_separate(diagnosis, missing, corrected),
+        "not_visible": not_visible(diagnosis.search),
+        "fit": _fit(diagnosis),
+    }
+
+
+def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the repaired rig as a table for ``model.toml``.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+
+    Returns
+    -------
+    dict
+        A rig file: every fitted parameter and every effect with value and interval.
+    """
+    chosen, rig = diagnosis.search.chosen, diagnosis.rig
+    head = {"kind": rig.kind, "title": f"{rig.title}, repaired"}
+    if rig.valve:
+        head["valve"] = rig.valve
+    parameters = {
+        key: {
+            "value": chosen.shared[key],
+            "unit": parameter.unit,
+            "source": "fitted by the diagnosis"
+            if key in chosen.shared
+            else parameter.source,
+        }
+        for key, parameter in rig.parameters.items()
+        if key in chosen.shared
+    }
+    effects: dict[str, Any] = {
+        effect: {name: {"value": value} for name, value in values.items()}
+        for effect, values in rig.effects.items()
+    }
+    for member in _effects(diagnosis.search):
+        effects[member] = {
+            name: {key: entry[key] for key in ("value", "unit", "low", "high")}
+            for name, entry in _parameters(diagnosis.search, member).items()
+        }
+    return {
+        "rig": head,
+        "parameters": parameters,
+        "effects": effects,
+        "diagnosis": {
+            "verdict": diagnosis.verdict,
+            "recordings": [case.recording.name for case in diagnosis.search.cases],
+        },
+    }
+
+
+def _effects(search: Search) -> list[str]:
+    return [member for member in search.accepted if not member.startswith("param.")]
+
+
+def _parameters(search: Search, member: str) -> dict[str, dict[str, Any]]:
+    effect, chosen = CATALOGUE[member], search.chosen
+    found = {}
+    for parameter in effect.parameters:
+        key = effect.key(parameter.name)
+        low, high = chosen.intervals[key]
+        found[parameter.name] = {
+            "value": chosen.shared[key],
+            "unit": parameter.unit,
+            "low": low,
+            "high": high,
+        }
+    return found
+
+
+def _missing(search: Search, member: str) -> dict[str, Any]:
+    effect = CATALOGUE[member]
+    rivals = search.rivals(member)
+    own = next(rival for rival in rivals if rival.candidate == member)
+    others = [rival for rival in rivals if rival.candidate not in (member, "")]
+    close = [r.candidate for r in others if r.evidence < own.evidence + UNDECIDED]
+    alike = [name for name in close if name in CATALOGUE]
+    return {
+        "effect": member,
+        "block": effect.block,
+        "statement": effect.statement,
+        "equation": effect.equation,
+        "parameters": _parameters(search, member)
+        | search.model.derived(search.cases, search.chosen.shared, search.chosen.own, member),
+        "probability": own.probability,
+        "class": [member, *alike],
+        "alternatives": [
+            {"effect": rival.candidate, "probability": rival.probability} for rival in others[:5]
+        ],
+    }
+
+
+def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
+    search = diagnosis.search
+    name, share = strongest_dependence(search.model, search.cases, search.chosen.residuals)
+    shape = (
+        f"depends on {name}, which accounts for {share:.0%} of it"
+        if share > 0.05
+        else "depends on nothing that was recorded"
+    )
+    return {
+        "effect": "unexplained",
+        "block": search.model.block,
+        "statement": f"Nothing in the catalogue explains what is left; it {shape}.",
+        "equation": "",
+        "parameters": {},
+        "probability": 1.0,
+        "class": ["unexplained"],
+        "alternatives": [],
+    }
+
+
+def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
+    chosen, rig = diagnosis.search.chosen, diagnosis.rig
+    corrected = {}
+    for key in diagnosis.model.fitted:
+        parameter, (low, high) = rig.parameters[key], chosen.intervals[key]
+        if not parameter.free and not low <= parameter.value <= high:
+            corrected[key] = {
+                "value": chosen.shared[key],
+                "unit": parameter.unit,
+                "low": low,
+                "high": high,
+            }
+    return corrected
+
+
+def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Share out what the baseline leaves unexplained over the blocks that turned out guilty."""
+    search = diagnosis.search
+    fits = [search.baseline]
+    for member in search.accepted:
+        fits.append(search.fitted(fits[-1].hypothesis.adding(member)))
+    noise = search.chosen.samples * search.noise_rms**2
+    whole = max(search.baseline.samples * search.baseline.rms**2 - noise, 1e-300)
+    shares: dict[str, float] = {}
+    energy: dict[str, Any] = {}
+    starts = [own.get("start", 0.0) for own in search.chosen.own]
+    for member, before, after in zip(search.accepted, fits, fits[1:], strict=False):
+        block = CATALOGUE[member].block if member in CATALOGUE else _block_of(search, member)
+        gain = before.samples * (before.rms**2 - after.rms**2)
+        shares[block] = shares.get(block, 0.0) + gain / whole
+        drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
+        energy[block] = energy.get(block, 0.0) + drop
+    # What nothing explains belongs to the block whose output is judged.
+    rest = max(0.0, 1.0 - sum(shares.values()))
+    if rest > 0.0:
+        block = search.model.block
+        shares[block] = shares.get(block, 0.0) + rest
+        energy.setdefault(block, np.concatenate(search.chosen.residuals) ** 2)
+    total = sum(shares.values())
+    located = [
+        {
+            "block": block,
+            "share": share / total,
+            "regime": regime_in_words(search.model, search.cases, energy[block], starts),
+        }
+        for block, share in shares.items()
+    ]
+    return sorted(located, key=lambda entry: -entry["share"])
+
+
+def _block_of(search: Search, member: str) -> str:
+    """Return the block a loosened parameter belongs to: its id less the last part."""
+    return member.removeprefix("param.").rpartition(".")[0] or search.model.block
+
+
+def _cannot_separate(
+    diagnosis: Diagnosis, missing: list[dict[str, Any]], corrected: dict[str, Any]
+) -> list[dict[str, Any]]:
+    groups = [entry["class"] for entry in missing]
+    groups += [lookalikes(diagnosis.search, parameter) for parameter in corrected]
+    apart = []
+    for group in groups:
+        named = [CATALOGUE[name].experiment for name in group if name in CATALOGUE]
+        if len(group) > 1 and named:
+            apart.append({"effects": group, "experiment": named[0]})
+    return apart
+
+
+def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
+    search = diagnosis.search
+    before, after = diagnosis.before_held_back, diagnosis.after_held_back
+    return {
+        "channels": {
+            diagnosis.model.channel: {
+                "noise_rms": search.noise_rms,
+                "unit": diagnosis.model.unit,
+                "before": {"used": search.baseline.rms, "held_back": before and before.rms},
+                "after": {"used": search.chosen.rms, "held_back": after and after.rms},
+            }
+        }
+    }

@@ -1,0 +1,105 @@
+"""Where a model falls short: which samples, and what they have in common."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
+
+_LIFT = 1.3
+"""A regime is named when its mean square is this many times that of the whole."""
+_COVERAGE = 0.25
+"""And when it holds at least this share of the energy."""
+_BINS = 12
+_BLOCKS = 40
+
+
+def regime_in_words(
+    model: Model, cases: Sequence[Case], energy: Array, starts: Sequence[float]
+) -> str:
+    """Return where in the recordings an energy is concentrated.
+
+    Parameters
+    ----------
+    model : Model
+        The rig's model, which names the regimes.
+    cases : sequence of Case
+        The recordings.
+    energy : (n,) array
+        Energy of each usable sample, all recordings end to end.
+    starts : sequence of float
+        When it began in each recording; 0 from the first sample [s].
+
+    Returns
+    -------
+    str
+        A phrase; "throughout" when no regime stands out.
+    """
+    total = max(float(np.sum(energy)), 1e-300)
+    masks: dict[str, list[NDArray[np.bool_]]] = {}
+    for case in cases:
+        for phrase, mask in model.regimes(case).items():
+            masks.setdefault(phrase, []).append(mask[case.usable])
+    found = []
+    for phrase, parts in masks.items():
+        if sum(len(part) for part in parts) != len(energy):
+            continue  # a regime that only some of the recordings know
+        mask = np.concatenate(parts)
+        share = float(np.sum(energy[mask])) / total
+        covered = float(np.mean(mask))
+        if 0.0 < covered < 0.9 and share > _COVERAGE and share / covered > _LIFT:
+            found.append((share / covered, phrase))
+    words = [phrase for _, phrase in sorted(found, reverse=True)[:2]]
+    late = [start for start in starts if start > 0.0]
+    if late:
+        words.insert(0, "since " + " / ".join(f"{start:.1f} s" for start in late))
+    return ", ".join(words) or "throughout the recordings"
+
+
+def strongest_dependence(
+    model: Model, cases: Sequence[Case], residuals: Sequence[Array]
+) -> tuple[str, float]:
+    """Return the quantity that residuals depend on most, and how much of them it explains.
+
+    Parameters
+    ----------
+    model : Model
+        The rig's model, which names the quantities.
+    cases : sequence of Case
+        The recordings.
+    residuals : sequence of array
+        Residuals, usable samples only.
+
+    Returns
+    -------
+    name : str
+        The quantity.
+    share : float
+        Share of the residual variance that a curve over this quantity explains on samples
+        that did not shape the curve; 0 when none does [-].
+    """
+    residual = np.concatenate(residuals)
+    block = np.arange(len(residual)) * _BLOCKS // len(residual)
+    train = block % 2 == 0
+    best = ("", 0.0)
+    for name, values in _joined(model, cases).items():
+        edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1))[1:-1])
+        bins = np.digitize(values, edges)
+        sums = np.bincount(bins[train], residual[train], _BINS)
+        counts = np.bincount(bins[train], minlength=_BINS)
+        curve = sums / np.maximum(counts, 1)
+        test = residual[~train]
+        share = 1.0 - float(np.mean((test - curve[bins[~train]]) ** 2) / np.mean(test**2))
+        if share > best[1]:
+            best = (name, share)
+    return best
+
+
+def _joined(model: Model, cases: Sequence[Case]) -> Mapping[str, Array]:
+    parts: dict[str, list[Array]] = {}
+    for case in cases:
+        for name, values in model.regressors(case).items():
+            parts.setdefault(name, []).append(np.nan_to_num(values[case.usable]))
+    return {name: np.concatenate(p) for name, p in parts.items()}

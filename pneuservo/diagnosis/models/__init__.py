@@ -1,0 +1,39 @@
+"""The models the diagnosis compares with recordings, one per kind of rig."""
+
+from pneuservo.diagnosis.models.circuit import CircuitModel
+from pneuservo.diagnosis.models.dead_volume import DeadVolumeModel
+from pneuservo.diagnosis.models.model import Case, Model, Unknown
+from pneuservo.diagnosis.models.seal_tester import SealTesterModel
+from pneuservo.errors import InputError
+
+_MODELS: dict[str, type[Model]] = {
+    model.kind: model for model in (DeadVolumeModel, SealTesterModel, CircuitModel)
+}
+
+
+def model_of(kind: str) -> Model:
+    """Return the model for a kind of rig.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of rig, such as ``"dead-volume"``.
+
+    Returns
+    -------
+    Model
+        The model.
+
+    Raises
+    ------
+    InputError
+        When the diagnosis does not cover this kind of rig.
+    """
+    if kind not in _MODELS:
+        raise InputError(
+            f"the diagnosis does not cover rig {kind!r} yet; it covers: {', '.join(_MODELS)}"
+        )
+    return _MODELS[kind]()
+
+
+__all__ = ["Case", "Model", "Unknown", "model_of"]

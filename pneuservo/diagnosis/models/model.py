@@ -1,0 +1,130 @@
+"""What every model of the diagnosis offers."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.effects import Effect, effects_of
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording
+from pneuservo.rigs import Rig
+
+Array = NDArray[np.float64]
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A number that a fit has to find.
+
+    Parameters
+    ----------
+    key : str
+        Its name among the values a model takes.
+    start : float
+        Where the fit starts.
+    low, high : float
+        Hard limits.
+    sigma : float or None, optional
+        How well `start` is known beforehand, one standard deviation; None when it is not.
+    unit : str, optional
+        SI unit.
+    """
+
+    key: str
+    start: float
+    low: float = -np.inf
+    high: float = np.inf
+    sigma: float | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One recording, prepared for a model.
+
+    Parameters
+    ----------
+    recording : Recording
+        Where it comes from.
+    measured : (n,) array
+        Samples of the judged channel [SI]; NaN where there is none.
+    inputs : mapping of str to array or float
+        Whatever else the model needs, worked out once.
+    noise_rms : float
+        Noise of the judged channel [SI].
+    """
+
+    recording: Recording
+    measured: Array
+    inputs: Mapping[str, Any]
+    noise_rms: float
+    rig: Rig
+    usable: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, dtype=bool))
+
+
+class Model:
+    """A chain of blocks that turns measured inputs into the judged channel.
+
+    A model takes a flat mapping of values: rig parameters by id, effect parameters as
+    ``effect:parameter``, and its own nuisances, which differ from recording to recording.
+    """
+
+    kind: ClassVar[str]
+    channel: ClassVar[str]
+    unit: ClassVar[str]
+    block: ClassVar[str]
+    required: ClassVar[tuple[str, ...]]
+    fitted: ClassVar[tuple[str, ...]]
+    """Rig parameters that a refit of the baseline may move."""
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """Return the effects of the catalogue that this rig can show."""
+        return effects_of(self.kind)
+
+    def require_channels(self, recording: Recording) -> None:
+        """Refuse a recording that lacks a channel this model needs.
+
+        Raises
+        ------
+        InputError
+            The message lists what is missing and what is there.
+        """
+        missing = [name for name in self.required if name not in recording]
+        if missing:
+            raise InputError(
+                f"{recording.source or recording.name}: rig {self.kind!r} needs the channel"
+                f"{'s' if len(missing) > 1 else ''} {', '.join(missing)}; the recording has "
+                f"{', '.join(recording.channels) or 'none'}. Map the missing one in the sidecar's "
+                "[channels], or name another rig with --rig"
+            )
+
+    def prepare(self, recording: Recording, rig: Rig) -> Case:
+        """Return the recording as this model needs it."""
+        raise NotImplementedError
+
+    def nuisances(self, case: Case, active: frozenset[str]) -> list[list[Unknown]]:
+        """Return the unknowns of one recording alone, once per start worth trying."""
+        raise NotImplementedError
+
+    def predict(self, case: Case, values: Values) -> Array:
+        """Return the judged channel as the model has it [SI]."""
+        raise NotImplementedError
+
+    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+        """Return phrases that name parts of a recording, with the samples they cover."""
+        raise NotImplementedError
+
+    def derived(
+        self, cases: Sequence[Case], shared: Values, own: Sequence[Values], effect: str
+    ) -> dict[str, dict[str, Any]]:
+        """Return quantities that follow from an effect's parameters and say more to people."""
+        return {}
+
+    def regressors(self, case: Case) -> dict[str, Array]:
+        """Return the quantities that what is left over may depend on."""
+        return {"time": case.recording.time}

@@ -1,0 +1,100 @@
+"""How noisy a channel is, and how many independent samples a residual holds."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def noise_floor(samples: Array, time: Array) -> float:
+    """Return the root-mean-square noise of a channel, from the quietest part of its spectrum.
+
+    Parameters
+    ----------
+    samples : (n,) array
+        The channel, n at least 16 [any unit].
+    time : (n,) array
+        Time of each sample [s].
+
+    Returns
+    -------
+    float
+        Noise, as if it were white up to half the sampling rate [unit of samples].
+
+    Notes
+    -----
+    The band from a tenth of to half the sampling rate is cut into eight; the lowest mean power
+    density, taken over the whole band, is the noise. Content of the signal that fills every
+    part of the band makes the figure too high; noise below the quietest band is missed.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> t = np.arange(4000) * 1e-3
+    >>> bool(abs(noise_floor(np.sin(5 * t) + 0.1 * rng.standard_normal(4000), t) - 0.1) < 0.01)
+    True
+    """
+    from scipy.signal import welch
+
+    good = np.isfinite(samples)
+    samples = np.interp(time, time[good], samples[good])
+    rate = 1.0 / float(np.median(np.diff(time)))
+    length = min(256, len(samples) // 2)
+    # The linear trend of each window would leak into every band.
+    frequency, density = welch(samples, rate, nperseg=length, detrend="linear", window="blackman")
+    bands = np.array_split(density[(frequency > 0.1 * rate) & (frequency < 0.49 * rate)], 8)
+    quietest = min(float(np.mean(band)) for band in bands if len(band))
+    return float(np.sqrt(quietest * rate / 2.0))
+
+
+def effective_samples(residual: Array) -> float:
+    """Return how many independent samples a residual is worth.
+
+    Parameters
+    ----------
+    residual : (n,) array
+        Evenly sampled residual; NaN are passed over [any unit].
+
+    Returns
+    -------
+    float
+        n / (1 + 2 sum of autocorrelations), the sum taken up to the first one below 0.05.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> bool(effective_samples(rng.standard_normal(1000)) > 800)
+    True
+    """
+    residual = residual[np.isfinite(residual)]
+    n = len(residual)
+    spread = residual - residual.mean()
+    power = np.abs(np.fft.rfft(spread, 2 * n)) ** 2
+    correlation = np.fft.irfft(power)[:n]
+    if correlation[0] <= 0.0:
+        return float(n)
+    correlation = correlation / correlation[0]
+    below = np.flatnonzero(correlation < 0.05)
+    end = int(below[0]) if len(below) else n
+    return float(min(n, max(4.0, n / (1.0 + 2.0 * float(np.sum(correlation[1:end]))))))
+
+
+def surrogate(residual: Array, rng: np.random.Generator) -> Array:
+    """Return random noise with the spectrum of a residual.
+
+    Parameters
+    ----------
+    residual : (n,) array
+        Evenly sampled, finite.
+    rng : Generator
+        Source of the random phases.
+
+    Returns
+    -------
+    (n,) array
+        Noise of the same power at every frequency.
+    """
+    spectrum = np.fft.rfft(residual)
+    phases = np.exp(2j * np.pi * rng.random(len(spectrum)))
+    phases[0] = 1.0 if rng.random() < 0.5 else -1.0
+    return np.fft.irfft(spectrum * phases, len(residual))

@@ -1,0 +1,181 @@
+"""Which effects the recordings call for: hypotheses are added while they earn their place."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pneuservo.diagnosis.controls import chance_gain
+from pneuservo.diagnosis.fit import Fit, Hypothesis, fit
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
+
+DECISIVE = 10.0
+"""Drop of the information criterion that decides (Kass and Raftery 1995: very strong)."""
+UNDECIDED = 6.0
+"""Rivals closer than this cannot be told apart (Kass and Raftery 1995: below strong)."""
+TIED = 2.0
+"""Rivals closer than this are not worth more than a mention; the catalogue's order decides."""
+SMALLEST_SHARE = 0.02
+"""Share of what the baseline leaves unexplained that an effect has to account for."""
+MOST_EFFECTS = 3
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A hypothesis that stands in for a chosen effect, and its probability."""
+
+    candidate: str
+    probability: float
+    evidence: float
+
+
+@dataclass
+class Search:
+    """All that was tried on a set of recordings.
+
+    Parameters
+    ----------
+    model : Model
+        The rig's model.
+    cases : sequence of Case
+        Prepared recordings.
+    progress : callable, optional
+        Told what is being fitted.
+    """
+
+    model: Model
+    cases: Sequence[Case]
+    progress: Callable[[str], None] = lambda step: None
+    fits: dict[Hypothesis, Fit] = field(default_factory=dict)
+    accepted: list[str] = field(default_factory=list)
+    ledger: list[dict[str, object]] = field(default_factory=list)
+
+    @property
+    def baseline(self) -> Fit:
+        """Return the baseline with its own parameters re-fitted."""
+        return self.fitted(Hypothesis())
+
+    @property
+    def chosen(self) -> Fit:
+        """Return the fit with everything accepted."""
+        return self.fitted(self._with(self.accepted))
+
+    @property
+    def noise_rms(self) -> float:
+        """Return the noise of all recordings together [SI]."""
+        return float(np.sqrt(np.mean([case.noise_rms**2 for case in self.cases])))
+
+    @property
+    def candidates(self) -> list[str]:
+        """Return every effect of the rig and every tolerated parameter."""
+        rig = self.cases[0].rig
+        tolerated = [
+            f"param.{key}"
+            for key in self.model.fitted
+            if rig.parameters[key].tolerance and not rig.parameters[key].free
+        ]
+        present = rig.effects
+        return [*(e.id for e in self.model.effects if e.id not in present), *tolerated]
+
+    def fitted(self, hypothesis: Hypothesis, near: Fit | None = None) -> Fit:
+        """Return the fit of a hypothesis, fitted once."""
+        if hypothesis not in self.fits:
+            self.progress("fitting " + (" + ".join(hypothesis.members) or "the baseline"))
+            self.fits[hypothesis] = fit(self.model, self.cases, hypothesis, near)
+        return self.fits[hypothesis]
+
+    def run(self) -> None:
+        """Add the best candidate until none earns its place."""
+        while len(self.accepted) < MOST_EFFECTS and self._unexplained(self.chosen) > 0.0:
+            best = self._best_addition()
+            if best is None:
+                break
+            self.accepted.append(best)
+
+    def rivals(self, member: str) -> list[Rival]:
+        """Return what could stand in for an accepted member, most probable first.
+
+        The member itself and its absence (``""``) are among them.
+        """
+        rest = self._with([m for m in self.accepted if m != member])
+        others = {
+            name: self.fitted(rest.adding(name), self.fitted(rest))
+            for name in self.candidates
+            if name not in self.accepted or name == member
+        }
+        others[""] = self.fitted(rest)
+        effective = min(others.values(), key=lambda f: f.rms).effective
+        evidence = {name: f.evidence(effective) for name, f in others.items()}
+        lowest = min(evidence.values())
+        weight = {name: float(np.exp(-0.5 * (e - lowest))) for name, e in evidence.items()}
+        total = sum(weight.values())
+        found = [Rival(name, weight[name] / total, evidence[name]) for name in others]
+        return sorted(found, key=lambda rival: -rival.probability)
+
+    def signature(self, found: Fit, member: str) -> Array:
+        """Return what a member does to the judged channel in a fit, usable samples end to end."""
+        parts = []
+        for case, own in zip(self.cases, found.own, strict=True):
+            values = {**found.shared, **own}
+            effect = next(e for e in self.model.effects if e.id == member)
+            without = {**values, **effect.neutral}
+            difference = self.model.predict(case, values) - self.model.predict(case, without)
+            parts.append(difference[case.usable])
+        return np.concatenate(parts)
+
+    def _compatible(self) -> list[str]:
+        """Return the candidates that may be added to what is accepted."""
+        group = {effect.id: effect.group for effect in self.model.effects}
+        taken = {group.get(name, "") for name in self.accepted} - {""}
+        return [
+            name
+            for name in self.candidates
+            if name not in self.accepted and group.get(name, "") not in taken
+        ]
+
+    def _with(self, members: Sequence[str]) -> Hypothesis:
+        hypothesis = Hypothesis()
+        for member in members:
+            hypothesis = hypothesis.adding(member)
+        return hypothesis
+
+    def _unexplained(self, found: Fit) -> float:
+        """Return the sum of squares beyond noise."""
+        noise = sum(len(r) * case.noise_rms**2 for r, case in zip(found.residuals, self.cases,
+                                                                  strict=True))  # fmt: skip
+        return max(0.0, found.samples * found.rms**2 - noise)
+
+    def _best_addition(self) -> str | None:
+        current = self.chosen
+        tried = {
+            name: self.fitted(current.hypothesis.adding(name), current)
+            for name in self._compatible()
+        }
+        if not tried:
+            return None
+        closest = min(tried.values(), key=lambda f: f.rms)
+        effective = closest.effective
+        evidence = {name: f.evidence(effective) for name, f in tried.items()}
+        lowest = min(evidence.values())
+        name = next(n for n in self.candidates if n in tried and evidence[n] < lowest + TIED)
+        drop = current.evidence(effective) - evidence[name]
+        gain = current.samples * (current.rms**2 - tried[name].rms**2)
+        effects = [n for n in tried if not n.startswith("param.")]
+        chance = chance_gain(
+            current, [self.signature(tried[n], n) for n in effects], closest.residuals
+        ) * (tried[name].unknowns - current.unknowns or 1)
+        share = gain / max(self._unexplained(self.baseline), 1e-300)
+        earned = drop > DECISIVE and gain > chance and share > SMALLEST_SHARE
+        self.ledger.append(
+            {
+                "added_to": list(current.hypothesis.members),
+                "candidate": name,
+                "evidence_drop": drop,
+                "gain_over_chance": gain / chance if chance else None,
+                "share_of_unexplained": share,
+                "accepted": earned,
+                "all": {n: {"rms": tried[n].rms, "evidence": e} for n, e in evidence.items()},
+            }
+        )
+        return name if earned else None

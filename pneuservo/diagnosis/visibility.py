@@ -1,0 +1,114 @@
+"""What these recordings could show, and what they cannot tell apart."""
+
+from typing import Any
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.search import Search
+from pneuservo.effects import Effect
+
+DETECTABLE = 4.0
+"""An effect shows when its signature is this many standard deviations long (section 2 of the
+method notes: below 4 a claim is not to be made)."""
+SAME_DIRECTION = 0.95
+"""Signatures with a larger cosine count as one."""
+
+
+def not_visible(search: Search) -> list[dict[str, str]]:
+    """Return the effects that could be present at full plausible size without showing.
+
+    Parameters
+    ----------
+    search : Search
+        A finished search.
+
+    Returns
+    -------
+    list of dict
+        ``effect``, ``why`` and the ``experiment`` that would show it.
+    """
+    chosen = search.chosen
+    basis = np.linalg.qr(chosen.jacobian)[0] if chosen.jacobian.size else None
+    spread = chosen.rms * float(np.sqrt(chosen.samples / chosen.effective))
+    hidden = []
+    for effect in search.model.effects:
+        if effect.id in search.accepted or not _compatible(search, effect):
+            continue
+        signature = _signature_at_full_size(search, chosen, effect)
+        whole = float(np.linalg.norm(signature))
+        rest = whole
+        if basis is not None:
+            rest = float(np.linalg.norm(signature - basis @ (basis.T @ signature)))
+        if rest / spread < DETECTABLE:
+            absorbed = whole > 2.0 * rest and whole / spread >= DETECTABLE
+            why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
+            hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
+    return hidden
+
+
+def lookalikes(search: Search, parameter: str) -> list[str]:
+    """Return what would change the recordings in the same way as a rig parameter.
+
+    Parameters
+    ----------
+    search : Search
+        A finished search.
+    parameter : str
+        A fitted rig parameter.
+
+    Returns
+    -------
+    list of str
+        Effect ids and ``param.`` ids, the parameter itself first.
+    """
+    chosen = search.chosen
+    mine = _sensitivity(search, chosen, parameter)
+    alike = [f"param.{parameter}"]
+    for other in search.model.fitted:
+        if other != parameter and _cosine(mine, _sensitivity(search, chosen, other)) > (
+            SAME_DIRECTION
+        ):
+            alike.append(f"param.{other}")
+    for effect in search.model.effects:
+        if effect.id not in search.accepted:
+            signature = _signature_at_full_size(search, chosen, effect)
+            if _cosine(mine, signature) > SAME_DIRECTION:
+                alike.append(effect.id)
+    return alike
+
+
+def _compatible(search: Search, effect: Effect) -> bool:
+    taken = {e.group for e in search.model.effects if e.id in search.accepted and e.group}
+    return effect.group not in taken
+
+
+def _signature_at_full_size(search: Search, found: Fit, effect: Effect) -> Array:
+    size = effect.parameters[0]
+    full = size.high if abs(size.high) >= abs(size.low) else size.low
+    values = {effect.key(p.name): p.starts[0] for p in effect.parameters[1:]}
+    return _difference(search, found, {**values, effect.key(size.name): full})
+
+
+def _sensitivity(search: Search, found: Fit, parameter: str) -> Array:
+    value = found.shared[parameter]
+    step = 1e-4 * (abs(value) or search.cases[0].rig.parameters[parameter].tolerance)
+    return _difference(search, found, {parameter: value + step})
+
+
+def _difference(search: Search, found: Fit, changed: dict[str, Any]) -> Array:
+    parts = []
+    for case, own in zip(search.cases, found.own, strict=True):
+        values = {**case.rig.effect_values, **found.shared, **own}
+        with np.errstate(all="ignore"):
+            change = search.model.predict(case, {**values, **changed}) - search.model.predict(
+                case, values
+            )
+        parts.append(np.nan_to_num(change[case.usable], posinf=0.0, neginf=0.0))
+    return np.concatenate(parts)
+
+
+def _cosine(one: Array, other: Array) -> float:
+    sizes = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return abs(float(one @ other)) / sizes if sizes else 0.0
