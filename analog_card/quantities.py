@@ -1,10 +1,14 @@
 """Numbers with units, as people type them, turned into SI."""
 
 import math
+import re
 from functools import cache
 from typing import Any
 
 from analog_card.errors import InputError
+
+# A power written the way people type it, as in m/s2 and cm3; pint wants s**2 and cm**3.
+_TYPED_POWER = re.compile(r"\b([A-Za-zµ]+)([23])\b")
 
 
 @cache
@@ -42,6 +46,8 @@ def to_si(value: str | float, unit: str, what: str = "value") -> float:
     --------
     >>> to_si("70 ms", "s")
     0.07
+    >>> to_si("5000 mm/s2", "m/s**2")
+    5.0
     >>> to_si(5, "V")
     5.0
     >>> to_si("6.82 bar", "kg", "load_mass")
@@ -86,6 +92,33 @@ def unit_factor(found: str, unit: str, what: str = "unit") -> tuple[float, float
     return at_one - at_zero, at_zero
 
 
+def as_text(value: float, unit: str, digits: int = 12) -> str:
+    """Return a quantity as people write it, with a prefix that keeps the number short.
+
+    Parameters
+    ----------
+    value : float
+        The value [unit].
+    unit : str
+        Its SI unit; ``""`` for a pure number.
+    digits : int, optional
+        Significant digits; with 12 `to_si` reads the same value back to one part in 10^12.
+
+    Returns
+    -------
+    str
+        Number and unit.
+
+    Examples
+    --------
+    >>> as_text(1e-7, "F"), as_text(15054.4, "ohm", 3), as_text(0.48, "")
+    ('100 nF', '15.1 kΩ', '0.48')
+    """
+    if not unit:
+        return f"{value:.{digits}g}"
+    return f"{_registry().Quantity(value, unit):.{digits}g#~P}"
+
+
 def _convert(value: str | float, unit: str, what: str) -> float:
     import pint
 
@@ -96,7 +129,7 @@ def _convert(value: str | float, unit: str, what: str) -> float:
     registry = _registry()
     try:
         # Parsed as number and unit, never evaluated as an expression with functions.
-        quantity = registry.Quantity(value.strip())
+        quantity = registry.Quantity(_TYPED_POWER.sub(r"\1**\2", value.strip()))
     except Exception as problem:
         raise InputError(
             f"{what}: {value!r} cannot be read as a number with a unit{_example(unit)}"
@@ -142,6 +175,7 @@ _EXAMPLES = {
     "K": "20 degC",
     "N": "5 N",
     "ohm": "120 kohm",
+    "m/s**2": "5 m/s2",
     "F": "100 nF",
     "m**3": "50 cm**3",
     "": "0.7",

@@ -1,0 +1,261 @@
+"""Reading a netlist ahead of the simulator: includes in place, no harm, parameters set."""
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NoReturn
+
+import netlists
+from analog_card.errors import InputError
+
+_DIRECTIVES = re.compile(
+    r"\.(ac|csparam|dc|disto|else|elseif|end|endif|ends|four|func|global|ic|if|inc|include|meas"
+    r"|measure|model|nodeset|noise|op|opt|option|options|param|plot|print|probe|pz|save|sens|subckt"
+    r"|temp|tf|tran|width)"
+)
+# Every element of plain SPICE. Left out: A (code models, which can read files and start
+# programs) and N (compiled models).
+_ELEMENTS = frozenset("bcdefghijklmopqrstuvwxyz")
+_MINIMUM_WORDS = {"r": 4, "c": 4, "l": 4}
+_LARGEST_FILE = 5_000_000
+_MOST_FILES = 200
+
+# Comments at the end of a line, in the three forms that ngspice knows.
+_COMMENT = re.compile(r";|\s\$(\s|$)|//")
+_ASSIGNMENT = re.compile(r"(\w+)\s*=\s*(\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[^\s={}'\"]+)")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One logical line of a netlist, continuation lines joined, and where it began."""
+
+    text: str
+    file: Path
+    number: int
+
+    def refuse(self, found: str, instead: str) -> NoReturn:
+        """Raise an InputError that names this line."""
+        raise InputError(
+            f"{self.file}, line {self.number}: {found} ({self.text[:80]!r}); {instead}"
+        )
+
+
+@dataclass(frozen=True)
+class Netlist:
+    """A netlist with its includes in place, checked.
+
+    Attributes
+    ----------
+    path : Path
+        The file it was read from.
+    lines : tuple of Line
+        Title first, ``.end`` last, no comments, no includes.
+    """
+
+    path: Path
+    lines: tuple[Line, ...]
+
+    @property
+    def parameters(self) -> dict[str, str]:
+        """Names and expressions of the top level's ``.param`` lines."""
+        return {
+            name.lower(): value
+            for index in _parameter_lines(self.lines)
+            for name, value in _ASSIGNMENT.findall(self.lines[index].text)
+        }
+
+    def with_parameters(self, values: Mapping[str, float]) -> "Netlist":
+        """Return the netlist with other values in its top-level ``.param`` lines.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            New values by parameter name.
+
+        Raises
+        ------
+        InputError
+            When the netlist has no parameter of that name.
+        """
+        wanted = {name.lower(): value for name, value in values.items()}
+        for name in wanted.keys() - self.parameters.keys():
+            raise InputError(f"{self.path}: no parameter {name!r}{nearest(name, self.parameters)}")
+        lines = list(self.lines)
+        for index in _parameter_lines(lines):
+            lines[index] = _with_values(lines[index], wanted)
+        return replace(self, lines=tuple(lines))
+
+
+def read_netlist(path: str | Path) -> Netlist:
+    """Read a netlist, put its includes in place and refuse what could do harm.
+
+    Parameters
+    ----------
+    path : str or Path
+        A SPICE netlist: a title on its first line, ``.end`` on its last.
+
+    Returns
+    -------
+    Netlist
+        The lines that the simulator will see.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read; when it has no title or no ``.end``; when it holds commands
+        (``.control``, ``*#``), code models, or includes from outside its own folder.
+
+    Notes
+    -----
+    Includes may come from the folder of the netlist and below, and from the netlists shipped
+    with this package. Only known directives and elements of plain SPICE are let through, so a
+    netlist from a stranger can describe a circuit and nothing else.
+    """
+    path = Path(path)
+    home = path.resolve().parent
+    roots = (netlists.ROOT,) if home.is_relative_to(netlists.ROOT) else (home, netlists.ROOT)
+    lines = list(_expanded(path, roots, []))
+    _require_title_and_end(path, lines)
+    for line in lines[1:]:
+        _refuse_harm(line)
+    return Netlist(path, tuple(lines))
+
+
+def nearest(name: str, allowed: Iterable[str]) -> str:
+    """Return a phrase that names the nearest allowed name, for an error message."""
+    names = sorted(allowed)
+    close = difflib.get_close_matches(name, names, 1, cutoff=0.4)
+    if close:
+        return f"; nearest is {close[0]!r}"
+    return f"; there is {', '.join(names)}" if names else "; there is none"
+
+
+def _expanded(path: Path, roots: tuple[Path, ...], opened: list[Path]) -> Iterator[Line]:
+    included = bool(opened)
+    opened.append(path)
+    if len(opened) > _MOST_FILES:
+        raise InputError(
+            f"{opened[0]}: more than {_MOST_FILES} included files, the last {path}; "
+            "does a file include itself?"
+        )
+    for line in _logical_lines(path, titled=not included):
+        word = line.text.split(maxsplit=1)[0].lower() if line.text else ""
+        if not included and line.number == 1:
+            yield line
+        elif word in (".include", ".inc"):
+            yield from _expanded(_included_file(line, roots), roots, opened)
+        elif word == ".end" and included:
+            line.refuse("an included file ends the netlist", "take .end out")
+        else:
+            yield line
+            if word == ".end":
+                return
+
+
+def _included_file(line: Line, roots: tuple[Path, ...]) -> Path:
+    words = line.text.split(maxsplit=1)
+    if len(words) < 2:
+        line.refuse("an include without a file", "write .include FILE")
+    included = line.file.parent / words[1].strip().strip("\"'")
+    if not any(included.resolve().is_relative_to(root) for root in roots):
+        line.refuse(
+            "an include from outside the netlist's folder",
+            f"includes may come from {' or '.join(map(str, roots))}",
+        )
+    if not included.is_file():
+        line.refuse(f"{included} is not a file", "paths are relative to the file they stand in")
+    return included
+
+
+def _logical_lines(path: Path, titled: bool) -> list[Line]:
+    lines: list[Line] = []
+    for number, raw in enumerate(_read_text(path).splitlines(), 1):
+        text = raw.strip()
+        if titled and number == 1:
+            lines.append(Line(text, path, number))
+        elif text.startswith("*#"):
+            Line(text, path, number).refuse("a hidden command", "only circuits are accepted")
+        elif text.startswith("*") or text.lower().startswith(".title"):
+            continue
+        else:
+            text = _COMMENT.split(text, maxsplit=1)[0].strip()
+            if text.startswith("+") and lines and not (titled and lines[-1].number == 1):
+                lines[-1] = replace(lines[-1], text=f"{lines[-1].text} {text[1:].strip()}")
+            elif text:
+                lines.append(Line(text, path, number))
+    return lines
+
+
+def _read_text(path: Path) -> str:
+    try:
+        if path.stat().st_size > _LARGEST_FILE:
+            raise InputError(f"{path}: larger than {_LARGEST_FILE} bytes, not read as a netlist")
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as problem:
+        raise InputError(
+            f"{path}: not UTF-8 text (byte {problem.start}); save it as UTF-8"
+        ) from None
+    except OSError as problem:
+        raise InputError(f"{path}: {problem.strerror}; a netlist file is needed") from problem
+
+
+def _require_title_and_end(path: Path, lines: list[Line]) -> None:
+    title = lines[0].text if lines else ""
+    looks_like_code = re.match(r"\.|[rclvidqx]\d+(\s+\S+){3}", title, re.IGNORECASE)
+    if not title or looks_like_code:
+        raise InputError(
+            f"{path}, line 1: {title[:80]!r} is not a title; "
+            "SPICE never reads the first line as circuit, put a title there"
+        )
+    if lines[-1].text.lower() != ".end":
+        raise InputError(
+            f"{path}: no .end; without it nothing is simulated, end the file with .end"
+        )
+
+
+def _refuse_harm(line: Line) -> None:
+    words = line.text.lower().split()
+    if words[0].startswith("."):
+        if not _DIRECTIVES.fullmatch(words[0]):
+            line.refuse(
+                f"{words[0]} is not accepted",
+                "a netlist describes a circuit and its analyses; commands (.control), libraries "
+                "with sections (.lib) and compiled models are not run",
+            )
+        return
+    if words[0][0] not in _ELEMENTS:
+        line.refuse("not an element of plain SPICE", "code models and commands are not run")
+    if words[0][0] in "vi" and "external" in words:
+        line.refuse("an external source", "nothing drives it here; give it a value or a waveform")
+    if len(words) < _MINIMUM_WORDS.get(words[0][0], 1):
+        line.refuse("too few words", "two nodes and a value are needed")
+
+
+def _parameter_lines(lines: Sequence[Line]) -> Iterator[int]:
+    depth = 0
+    for index, line in enumerate(lines[1:], 1):
+        word = line.text.split(maxsplit=1)[0].lower()
+        depth += (word == ".subckt") - (word == ".ends")
+        if word == ".param" and depth == 0:
+            yield index
+
+
+def _with_values(line: Line, wanted: Mapping[str, float]) -> Line:
+    found = {name.lower() for name, _ in _ASSIGNMENT.findall(line.text)}
+    if not found & wanted.keys():
+        return line
+    if _ASSIGNMENT.sub("", line.text).split() != [line.text.split()[0]]:
+        line.refuse("cannot tell where a value ends", "put expressions in braces, as in a={2*b}")
+    return replace(
+        line,
+        text=_ASSIGNMENT.sub(
+            lambda match: (
+                f"{match[1]}={float(wanted[match[1].lower()])!r}"
+                if match[1].lower() in wanted
+                else match[0]
+            ),
+            line.text,
+        ),
+    )

@@ -1,0 +1,228 @@
+import os
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import netlists
+from analog_card import ngspice
+from analog_card.errors import InputError, SimulationError
+from analog_card.ngspice import FrequencySweep, OperatingPoint, Transient, run
+from analog_card.simulator import SIMULATOR, Simulator
+
+pytestmark = pytest.mark.ngspice
+
+LOW_PASS = [
+    "low pass",
+    ".param r=1k c=100n",
+    "Vin in 0 dc 2 ac 1 pulse(0 2 0 1n 1n 1 2)",
+    "R1 in out {r}",
+    "C1 out 0 {c}",
+    ".end",
+]
+
+
+@pytest.fixture
+def circuit(tmp_path):
+    def write(*lines):
+        file = tmp_path / "circuit.cir"
+        file.write_text("\n".join(lines) + "\n")
+        return file
+
+    return write
+
+
+@pytest.mark.parametrize("capacitance", [100e-9, 47e-9])
+def test_frequency_response_of_an_rc_circuit(circuit, capacitance):
+    sweep = run(circuit(*LOW_PASS), FrequencySweep(10, 1e5, 10), {"c": capacitance})
+    assert sweep.frequency[[0, -1]] == pytest.approx([10, 1e5])
+    expected = 1 / (1 + 2j * np.pi * sweep.frequency * 1e3 * capacitance)
+    # ngspice solves in double precision and adds a conductance of 1e-12 S.
+    np.testing.assert_allclose(sweep["OUT"], expected, rtol=1e-8)
+
+
+def test_step_of_an_rc_circuit(circuit):
+    result = run(circuit(*LOW_PASS), Transient(1e-3, 1e-6))
+    times = np.linspace(0, 1e-3, 501)
+    expected = 2 * (1 - np.exp(-times / 1e-4))
+    # 2 V; trapezoidal rule in steps h of 1 % of the time constant: h^2/12 of it; the source rises
+    # in 1 ns instead of at once: 1e-5 of it.
+    assert np.abs(result.at(times, "out") - expected).max() < 2 * (1e-4 / 12 + 1e-5)
+
+
+def test_operating_point_and_numbered_nodes(circuit):
+    result = run(circuit("divider", "V1 1 0 9", "R1 1 2 1k", "R2 2 0 2k", ".end"), OperatingPoint())
+    assert result["2"] == pytest.approx([6.0])
+    assert result["v1#branch"] == pytest.approx([-3e-3])
+
+
+def test_an_unknown_node_names_the_nearest(circuit):
+    with pytest.raises(InputError, match="no node 'ouput'; nearest is 'out'"):
+        run(circuit(*LOW_PASS), OperatingPoint())["ouput"]
+
+
+def test_the_word_error_is_not_an_error(circuit):
+    file = circuit("error amplifier", "V1 error_signal 0 3", "R1 error_signal 0 1k", ".end")
+    assert run(file, Transient(1e-3, 1e-4))["error_signal"][-1] == pytest.approx(3.0)
+
+
+def test_notes_on_the_way_to_an_operating_point_are_not_failures():
+    result = run(netlists.DOUBLE_DIFFERENTIATOR_TRANSIENT, Transient(1e-4, 1e-5))
+    assert result.warnings == ()
+    # 15 mm at 333.33 V/m
+    assert result["sensor"][0] == pytest.approx(5.0)
+
+
+FAILURES = [
+    (["X1 a 0 nosuch"], "unknown subckt: x1 a 0 nosuch"),
+    (["D1 a 0 nosuch"], "circuit.cir line 3"),
+    (["R1 a 0 abc"], "unknown parameter"),
+    (["B1 b 0 V=2*(3+", "R1 b 0 1"], "syntax error"),
+    (["R1 a 0 1", "R1 a 0 1"], "device already exists"),
+    (["R1 a 0 {nosuch}"], "Undefined parameter .nosuch."),
+    ([".subckt s a b", "R1 a b 1"], "Mismatch of .subckt"),
+    ([".subckt s a b", "R1 a b 1", ".ends", "X1 a b c s"], "Too many parameters for subcircuit"),
+    (["V2 a 0 98"], "node v\\d#branch"),
+    (["shell touch x"], "switch|model|unknown|Error"),
+]
+
+
+@pytest.mark.parametrize(("lines", "words"), FAILURES, ids=lambda value: value[0][:12])
+def test_failures_carry_the_words_of_ngspice(circuit, lines, words):
+    file = circuit("failing", "V1 a 0 99", *lines, ".end")
+    with pytest.raises(SimulationError, match=words) as caught:
+        run(file, OperatingPoint())
+    assert str(file) in str(caught.value)
+    # Even after a failure that ngspice does not survive the next netlist runs.
+    assert run(circuit(*LOW_PASS), OperatingPoint())["out"] == pytest.approx([2.0])
+
+
+def test_non_convergence_names_the_node(circuit):
+    file = circuit(
+        "hopeless",
+        "V1 a 0 sin(0 1 1k)",
+        "B1 b 0 V=V(a)>0 ? 1e30*exp(1e5*V(b)) : -1e30",
+        "R1 b c 1k",
+        "C1 c 0 1n",
+        ".end",
+    )
+    with pytest.raises(SimulationError, match=r"node b: .*Timestep too small"):
+        run(file, Transient(1e-3, 1e-5))
+
+
+def test_a_failed_netlist_never_returns_the_results_of_another(circuit):
+    good = circuit("one volt", "V1 a 0 1", "R1 a 0 1k", ".end")
+    assert run(good, OperatingPoint())["a"] == pytest.approx([1.0])
+    with pytest.raises(SimulationError):
+        run(circuit("99 volt", "V1 a 0 99", "X1 a 0 nosuch", ".end"), OperatingPoint())
+    with pytest.raises(SimulationError):
+        run(circuit("nothing", ".end"), OperatingPoint())
+    again = circuit("99 volt", "V1 a 0 99", "R1 a 0 1k", ".end")
+    assert run(again, OperatingPoint())["a"] == pytest.approx([99.0])
+
+
+def test_options_of_one_netlist_do_not_reach_the_next(circuit):
+    leaky = ["diode", "V1 a 0 1", "R1 a b 1meg", "D1 b 0 d", ".model d d(is=1e-14)", ".end"]
+    before = run(circuit(*leaky), OperatingPoint())["b"][0]
+    warm = run(circuit(*leaky[:-1], ".options temp=120 gmin=1e-6", ".end"), OperatingPoint())
+    assert abs(warm["b"][0] - before) > 0.05
+    assert run(circuit(*leaky), OperatingPoint())["b"][0] == before
+
+
+def test_a_start_up_script_is_not_run(tmp_path):
+    # ngspice runs .spiceinit of the current and of the home folder, shell commands included.
+    (tmp_path / ".spiceinit").write_text(f"* script\nshell touch {tmp_path}/ran\n")
+    before = Path.cwd(), os.environ.get("HOME", "")
+    simulator = Simulator()
+    try:
+        os.chdir(tmp_path)
+        os.environ["HOME"] = str(tmp_path)
+        assert simulator.version() > 0
+    finally:
+        os.chdir(before[0])
+        os.environ["HOME"] = before[1]
+        simulator.close()
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_run_that_takes_too_long_is_given_up(circuit):
+    with pytest.raises(SimulationError, match=r"circuit\.cir: no result within 0\.3 s"):
+        run(circuit(*LOW_PASS), Transient(1e3, 1e-6), time_limit=0.3)
+    assert run(circuit(*LOW_PASS), OperatingPoint())["out"] == pytest.approx([2.0])
+
+
+def test_several_threads_may_ask(circuit):
+    file, found = circuit(*LOW_PASS), {}
+
+    def ask(resistance):
+        sweep = run(file, FrequencySweep(1e3, 1e4, 5), {"r": resistance})
+        found[resistance] = sweep["out"][0]
+
+    threads = [threading.Thread(target=ask, args=(1e3 * k,)) for k in range(1, 6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for resistance, gain in found.items():
+        assert gain == pytest.approx(1 / (1 + 2j * np.pi * 1e3 * resistance * 100e-9))
+    assert len(found) == 5
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of forking beside threads
+def test_a_forked_program_starts_its_own(circuit):
+    file = circuit(*LOW_PASS)
+    assert run(file, OperatingPoint())["out"] == pytest.approx([2.0])
+    ours = SIMULATOR.process_id
+    child = os.fork()
+    if child == 0:
+        found = run(file, OperatingPoint())["out"][0]
+        its_own = SIMULATOR.process_id
+        SIMULATOR.close()
+        os._exit(0 if abs(found - 2) < 1e-6 and its_own != ours else 1)
+    assert os.waitpid(child, 0)[1] == 0
+    assert run(file, OperatingPoint())["out"] == pytest.approx([2.0])
+    assert SIMULATOR.process_id == ours
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_two_hundred_runs_leave_the_memory_alone():
+    def resident():
+        pages = Path(f"/proc/{SIMULATOR.process_id}/statm").read_text().split()[1]
+        return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+    sweep = FrequencySweep(1, 1e5, 10)
+    for _ in range(10):
+        run(netlists.DOUBLE_DIFFERENTIATOR_AC, sweep)
+    before = resident()
+    for _ in range(200):
+        run(netlists.DOUBLE_DIFFERENTIATOR_AC, sweep)
+    # Measured 0.3 MB; with the circuit of each run left behind 26 MB.
+    assert resident() - before < 3e6
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: FrequencySweep(0, 1e3),
+        lambda: FrequencySweep(1e3, 10),
+        lambda: Transient(1e-3, 0),
+        lambda: Transient(0, 1e-6),
+    ],
+)
+def test_impossible_analyses_are_refused(wrong):
+    with pytest.raises(InputError, match="needed"):
+        wrong()
+
+
+def test_a_missing_library_says_how_to_get_it(monkeypatch):
+    monkeypatch.setenv("NGSPICE_LIBRARY", "/no/such/library.so")
+    simulator = Simulator()
+    with pytest.raises(SimulationError, match="apt install libngspice0"):
+        simulator.version()
+    simulator.close()
+
+
+def test_version():
+    assert ngspice.ngspice_version() >= 36
