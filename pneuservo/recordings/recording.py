@@ -1,12 +1,16 @@
 """The recording itself: a time base, named channels in SI, and how they were taken."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from pneuservo.errors import InputError
+from pneuservo.recordings.channels import CHANNELS
+from pneuservo.recordings.naming import require_known
 
 
 @dataclass(frozen=True)
@@ -63,3 +67,79 @@ class Recording:
     def __getitem__(self, channel: str) -> NDArray[np.float64]:
         """Return the samples of a channel."""
         return self.channels[channel]
+
+    @property
+    def sampling_interval(self) -> float:
+        """Return the median time step [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    def slice(self, start: float | None = None, stop: float | None = None) -> "Recording":
+        """Return a part of the recording; its time still counts from the original start.
+
+        Parameters
+        ----------
+        start : float, optional
+            First time wanted [s]; from the first sample by default.
+        stop : float, optional
+            First time not wanted any more [s]; to the last sample by default.
+
+        Returns
+        -------
+        Recording
+            The samples with start <= time < stop, and everything else as it was.
+
+        Raises
+        ------
+        InputError
+            When no sample lies in between.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> time = np.arange(5.0)
+        >>> Recording("ramp", time, {"displacement": time / 10}).slice(1.0, 3.0).time
+        array([1., 2.])
+        """
+        keep = np.ones(len(self.time), dtype=bool)
+        if start is not None:
+            keep &= self.time >= start
+        if stop is not None:
+            keep &= self.time < stop
+        if not keep.any():
+            raise InputError(
+                f"{self.name}: no sample lies from {start} s to {stop} s; "
+                f"the recording goes from {self.time[0]:g} s to {self.time[-1]:g} s"
+            )
+        channels = {name: values[keep] for name, values in self.channels.items()}
+        return replace(self, time=self.time[keep], channels=channels)
+
+    def plot(self, channel: str, ax: Any = None) -> Any:
+        """Draw a channel over time.
+
+        Parameters
+        ----------
+        channel : str
+            Canonical name of a recorded channel.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn onto.
+
+        Raises
+        ------
+        InputError
+            When the channel was not recorded.
+        """
+        require_known(channel, self.channels, f"{self.name}: channel")
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            _, ax = plt.subplots()
+        unit = CHANNELS[channel].unit.replace("**2", "²") or "1"
+        ax.plot(self.time, self.channels[channel], linewidth=1.0, label=self.name)
+        ax.set_xlabel("time [s]")
+        ax.set_ylabel(f"{channel.replace('_', ' ')} [{unit}]")
+        return ax

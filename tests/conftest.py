@@ -1,0 +1,19 @@
+"""What the tests of both packages share."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def real_recordings() -> Path:
+    """Return the folder of the real recordings, which are not part of the project."""
+    beside = Path(__file__).resolve().parents[2] / "shared" / "recordings"
+    folder = Path(os.environ.get("PNEUSERVO_RECORDINGS", beside))
+    if not folder.is_dir():
+        reason = f"no real recordings in {folder}; set PNEUSERVO_RECORDINGS to their folder"
+        if os.environ.get("CI"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    return folder
