@@ -7,6 +7,11 @@ from typing import Any
 
 from analog_card.errors import InputError
 
+# A power operator, and one that is harmless: a single digit and nothing that goes on from there.
+# Anything else, such as a tower of powers, might be computed for ever.
+_POWER = re.compile(r"\*\*|\^")
+_SMALL_POWER = re.compile(r"(?:\*\*|\^)\s*-?\d(?!\s*(?:\d|\.|[eE][+-]?\d|\*\*|\^))")
+_LONGEST = 80
 # A power written the way people type it, as in m/s2 and cm3; pint wants s**2 and cm**3.
 _TYPED_POWER = re.compile(r"\b([A-Za-zµ]+)([23])\b")
 
@@ -127,6 +132,10 @@ def _convert(value: str | float, unit: str, what: str) -> float:
     if isinstance(value, int | float):
         return float(value)
     registry = _registry()
+    if len(value) > _LONGEST or len(_POWER.findall(value)) != len(_SMALL_POWER.findall(value)):
+        raise InputError(
+            f"{what}: {value[:_LONGEST]!r} cannot be read as a number with a unit{_example(unit)}"
+        )
     try:
         # Parsed as number and unit, never evaluated as an expression with functions.
         quantity = registry.Quantity(_TYPED_POWER.sub(r"\1**\2", value.strip()))

@@ -134,13 +134,17 @@ class Verification:
             )
         for axis in (gain, taps):
             axis.plot([], [], "k:", label="behavioural model")
+        gain.margins(y=0.3)
         frequency_deviation.axhline(GAIN_LIMIT, color="grey", linewidth=0.8)
-        frequency_deviation.text(1.2, GAIN_LIMIT * 1.15, "limit, gain", color="grey")
+        frequency_deviation.text(1.2, GAIN_LIMIT * 1.15, "limit, gain", color="grey", size="small")
         frequency_deviation.axhline(PHASE_LIMIT, color="grey", linewidth=0.8, linestyle="--")
-        frequency_deviation.text(1.2, PHASE_LIMIT * 1.15, "limit, phase", color="grey")
+        frequency_deviation.text(
+            1.2, PHASE_LIMIT * 1.15, "limit, phase", color="grey", size="small"
+        )
         frequency_deviation.axvline(BAND[1], color="grey", linewidth=0.8, linestyle=":")
         _label(gain, "frequency [Hz]", "gain from transducer [dB]")
-        _label(frequency_deviation, "frequency [Hz]", "netlist against model")
+        _label(frequency_deviation, "frequency [Hz]", "netlist against model", "center left")
+        taps.margins(y=0.25)
         _label(taps, "time [ms]", "tap voltage [V]")
         _label(time_deviation, "time [ms]", "netlist - model [% of range]")
         return axes
@@ -261,8 +265,8 @@ def _floored(values: np.ndarray) -> np.ndarray:
     return np.maximum(np.abs(values), 1e-7)
 
 
-def _label(axis: Any, horizontal: str, vertical: str) -> None:
+def _label(axis: Any, horizontal: str, vertical: str, legend: str = "upper right") -> None:
     axis.set_xlabel(horizontal)
     axis.set_ylabel(vertical)
     axis.grid(True, alpha=0.3)
-    axis.legend(fontsize="small")
+    axis.legend(fontsize="small", loc=legend, frameon=False)

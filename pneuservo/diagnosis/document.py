@@ -5,8 +5,12 @@ from typing import Any
 import numpy as np
 
 from pneuservo.diagnosis.diagnosis import Diagnosis
-from pneuservo.diagnosis.locate import regime_in_words, strongest_dependence
-from pneuservo.diagnosis.search import UNDECIDED, Search
+from pneuservo.diagnosis.locate import (
+    onset_in_words,
+    regime_in_words,
+    strongest_dependence,
+)
+from pneuservo.diagnosis.search import SMALLEST_SHARE, UNDECIDED, Search
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE
 
@@ -36,10 +40,15 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "schema": SCHEMA,
         "verdict": verdict,
         "located": _located(diagnosis) if verdict != "consistent" else [],
+        # Where probability does not decide, in the order they were needed.
         "missing": sorted(missing, key=lambda entry: -entry["probability"]),
         "corrected_parameters": corrected,
         "cannot_separate": _cannot_separate(diagnosis, missing, corrected),
-        "not_visible": not_visible(diagnosis.search),
+        "not_visible": [
+            entry
+            for entry in not_visible(diagnosis.search)
+            if not any(entry["effect"] in found["class"] for found in missing)
+        ],
         "fit": _fit(diagnosis),
     }
 
@@ -65,9 +74,7 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         key: {
             "value": chosen.shared[key],
             "unit": parameter.unit,
-            "source": "fitted by the diagnosis"
-            if key in chosen.shared
-            else parameter.source,
+            "source": "fitted by the diagnosis" if key in chosen.shared else parameter.source,
         }
         for key, parameter in rig.parameters.items()
         if key in chosen.shared
@@ -111,6 +118,14 @@ def _parameters(search: Search, member: str) -> dict[str, dict[str, Any]]:
     return found
 
 
+def _derived(search: Search, member: str) -> dict[str, dict[str, Any]]:
+    found = {}
+    for name, (unit, follows) in search.model.derived(search.cases[0], member).items():
+        value, low, high = search.chosen.interval_of(follows)
+        found[name] = {"value": value, "unit": unit, "low": low, "high": high}
+    return found
+
+
 def _missing(search: Search, member: str) -> dict[str, Any]:
     effect = CATALOGUE[member]
     rivals = search.rivals(member)
@@ -123,8 +138,7 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
         "block": effect.block,
         "statement": effect.statement,
         "equation": effect.equation,
-        "parameters": _parameters(search, member)
-        | search.model.derived(search.cases, search.chosen.shared, search.chosen.own, member),
+        "parameters": _parameters(search, member) | _derived(search, member),
         "probability": own.probability,
         "class": [member, *alike],
         "alternatives": [
@@ -156,7 +170,7 @@ def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
 def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
     chosen, rig = diagnosis.search.chosen, diagnosis.rig
     corrected = {}
-    for key in diagnosis.model.fitted:
+    for key in diagnosis.model.fitted(diagnosis.search.cases[0]):
         parameter, (low, high) = rig.parameters[key], chosen.intervals[key]
         if not parameter.free and not low <= parameter.value <= high:
             corrected[key] = {
@@ -177,26 +191,30 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     noise = search.chosen.samples * search.noise_rms**2
     whole = max(search.baseline.samples * search.baseline.rms**2 - noise, 1e-300)
     shares: dict[str, float] = {}
-    energy: dict[str, Any] = {}
-    starts = [own.get("start", 0.0) for own in search.chosen.own]
+    regimes: dict[str, list[str]] = {}
+    onset = onset_in_words([own.get("start", 0.0) for own in search.chosen.own])
+
+    def blame(block: str, share: float, energy: Any) -> None:
+        shares[block] = shares.get(block, 0.0) + share
+        words = regime_in_words(search.model, search.cases, energy)
+        if words and words not in regimes.setdefault(block, []):
+            regimes[block].append(words)
+
     for member, before, after in zip(search.accepted, fits, fits[1:], strict=False):
         block = CATALOGUE[member].block if member in CATALOGUE else _block_of(search, member)
-        gain = before.samples * (before.rms**2 - after.rms**2)
-        shares[block] = shares.get(block, 0.0) + gain / whole
         drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
-        energy[block] = energy.get(block, 0.0) + drop
+        blame(block, float(np.sum(drop)) / whole, drop)
     # What nothing explains belongs to the block whose output is judged.
     rest = max(0.0, 1.0 - sum(shares.values()))
-    if rest > 0.0:
-        block = search.model.block
-        shares[block] = shares.get(block, 0.0) + rest
-        energy.setdefault(block, np.concatenate(search.chosen.residuals) ** 2)
+    if rest > SMALLEST_SHARE or not shares:
+        blame(search.model.block, rest, np.concatenate(search.chosen.residuals) ** 2)
     total = sum(shares.values())
     located = [
         {
             "block": block,
             "share": share / total,
-            "regime": regime_in_words(search.model, search.cases, energy[block], starts),
+            "regime": "; ".join([onset] * bool(onset) + regimes.get(block, []))
+            or "throughout the recordings",
         }
         for block, share in shares.items()
     ]

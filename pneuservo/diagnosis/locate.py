@@ -16,9 +16,7 @@ _BINS = 12
 _BLOCKS = 40
 
 
-def regime_in_words(
-    model: Model, cases: Sequence[Case], energy: Array, starts: Sequence[float]
-) -> str:
+def regime_in_words(model: Model, cases: Sequence[Case], energy: Array) -> str:
     """Return where in the recordings an energy is concentrated.
 
     Parameters
@@ -29,13 +27,11 @@ def regime_in_words(
         The recordings.
     energy : (n,) array
         Energy of each usable sample, all recordings end to end.
-    starts : sequence of float
-        When it began in each recording; 0 from the first sample [s].
 
     Returns
     -------
     str
-        A phrase; "throughout" when no regime stands out.
+        A phrase; empty when no regime stands out.
     """
     total = max(float(np.sum(energy)), 1e-300)
     masks: dict[str, list[NDArray[np.bool_]]] = {}
@@ -51,11 +47,30 @@ def regime_in_words(
         covered = float(np.mean(mask))
         if 0.0 < covered < 0.9 and share > _COVERAGE and share / covered > _LIFT:
             found.append((share / covered, phrase))
-    words = [phrase for _, phrase in sorted(found, reverse=True)[:2]]
-    late = [start for start in starts if start > 0.0]
-    if late:
-        words.insert(0, "since " + " / ".join(f"{start:.1f} s" for start in late))
-    return ", ".join(words) or "throughout the recordings"
+    return ", ".join(phrase for _, phrase in sorted(found, reverse=True)[:2])
+
+
+def onset_in_words(starts: Sequence[float]) -> str:
+    """Return since when a mismatch is there.
+
+    Parameters
+    ----------
+    starts : sequence of float
+        When it began in each recording; 0 from the first sample [s].
+
+    Returns
+    -------
+    str
+        A phrase; empty when it was there from the first sample.
+
+    Examples
+    --------
+    >>> onset_in_words([7.02])
+    'since 7.0 s in the recording'
+    """
+    if not any(start > 0.0 for start in starts):
+        return ""
+    return "since " + " / ".join(f"{start:.1f} s" for start in starts) + " in the recording"
 
 
 def strongest_dependence(

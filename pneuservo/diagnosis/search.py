@@ -1,12 +1,13 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from pneuservo.diagnosis.controls import chance_gain
-from pneuservo.diagnosis.fit import Fit, Hypothesis, fit
+from pneuservo.diagnosis.fit import Fit, fit
+from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 
@@ -17,7 +18,11 @@ UNDECIDED = 6.0
 TIED = 2.0
 """Rivals closer than this are not worth more than a mention; the catalogue's order decides."""
 SMALLEST_SHARE = 0.02
-"""Share of what the baseline leaves unexplained that an effect has to account for."""
+"""Share of what the baseline leaves unexplained that an effect has to account for ..."""
+LARGE_SHARE_OF_REST = 0.5
+"""... or the share of what is still unexplained when it is added."""
+SUREST = 0.99
+"""Largest probability that is claimed: the catalogue never holds everything."""
 MOST_EFFECTS = 3
 
 
@@ -28,6 +33,40 @@ class Rival:
     candidate: str
     probability: float
     evidence: float
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a search: what was tried, and what came of it.
+
+    Parameters
+    ----------
+    base : tuple of str
+        What was already accepted.
+    candidate : str
+        The best addition; for a replacement, what was put in the place of `replaced`.
+    accepted : bool
+        Whether it earned its place.
+    replaced : str, optional
+        The member that had to go.
+    evidence_drop : float, optional
+        By how much the information criterion fell.
+    gain_over_chance : float, optional
+        Drop of the sum of squares over what noise alone would give.
+    share : float, optional
+        Share of what the baseline leaves unexplained.
+    rms : mapping of str to float, optional
+        What each candidate leaves [SI].
+    """
+
+    base: tuple[str, ...]
+    candidate: str
+    accepted: bool
+    replaced: str = ""
+    evidence_drop: float = 0.0
+    gain_over_chance: float = 0.0
+    share: float = 0.0
+    rms: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -49,7 +88,7 @@ class Search:
     progress: Callable[[str], None] = lambda step: None
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
     accepted: list[str] = field(default_factory=list)
-    ledger: list[dict[str, object]] = field(default_factory=list)
+    ledger: list[Step] = field(default_factory=list)
 
     @property
     def baseline(self) -> Fit:
@@ -72,7 +111,7 @@ class Search:
         rig = self.cases[0].rig
         tolerated = [
             f"param.{key}"
-            for key in self.model.fitted
+            for key in self.model.fitted(self.cases[0])
             if rig.parameters[key].tolerance and not rig.parameters[key].free
         ]
         present = rig.effects
@@ -92,6 +131,7 @@ class Search:
             if best is None:
                 break
             self.accepted.append(best)
+            self._revise()
 
     def rivals(self, member: str) -> list[Rival]:
         """Return what could stand in for an accepted member, most probable first.
@@ -101,8 +141,7 @@ class Search:
         rest = self._with([m for m in self.accepted if m != member])
         others = {
             name: self.fitted(rest.adding(name), self.fitted(rest))
-            for name in self.candidates
-            if name not in self.accepted or name == member
+            for name in self._compatible([m for m in self.accepted if m != member])
         }
         others[""] = self.fitted(rest)
         effective = min(others.values(), key=lambda f: f.rms).effective
@@ -110,8 +149,8 @@ class Search:
         lowest = min(evidence.values())
         weight = {name: float(np.exp(-0.5 * (e - lowest))) for name, e in evidence.items()}
         total = sum(weight.values())
-        found = [Rival(name, weight[name] / total, evidence[name]) for name in others]
-        return sorted(found, key=lambda rival: -rival.probability)
+        found = [Rival(name, min(weight[name] / total, SUREST), evidence[name]) for name in others]
+        return sorted(found, key=lambda rival: rival.evidence)
 
     def signature(self, found: Fit, member: str) -> Array:
         """Return what a member does to the judged channel in a fit, usable samples end to end."""
@@ -124,14 +163,26 @@ class Search:
             parts.append(difference[case.usable])
         return np.concatenate(parts)
 
-    def _compatible(self) -> list[str]:
-        """Return the candidates that may be added to what is accepted."""
+    def _revise(self) -> None:
+        """Swap or drop what was accepted early and is no longer the best in its place."""
+        for member in list(self.accepted[:-1]):
+            found = self.rivals(member)
+            own = next(rival for rival in found if rival.candidate == member)
+            best = found[0]
+            if best.evidence > own.evidence - TIED:
+                continue
+            place = self.accepted.index(member)
+            self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
+            self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+
+    def _compatible(self, accepted: Sequence[str]) -> list[str]:
+        """Return the candidates that may be added to some others."""
         group = {effect.id: effect.group for effect in self.model.effects}
-        taken = {group.get(name, "") for name in self.accepted} - {""}
+        taken = {group.get(name, "") for name in accepted} - {""}
         return [
             name
             for name in self.candidates
-            if name not in self.accepted and group.get(name, "") not in taken
+            if name not in accepted and group.get(name, "") not in taken
         ]
 
     def _with(self, members: Sequence[str]) -> Hypothesis:
@@ -142,15 +193,16 @@ class Search:
 
     def _unexplained(self, found: Fit) -> float:
         """Return the sum of squares beyond noise."""
-        noise = sum(len(r) * case.noise_rms**2 for r, case in zip(found.residuals, self.cases,
-                                                                  strict=True))  # fmt: skip
+        noise = sum(
+            len(r) * case.noise_rms**2 for r, case in zip(found.residuals, self.cases, strict=True)
+        )
         return max(0.0, found.samples * found.rms**2 - noise)
 
     def _best_addition(self) -> str | None:
         current = self.chosen
         tried = {
             name: self.fitted(current.hypothesis.adding(name), current)
-            for name in self._compatible()
+            for name in self._compatible(self.accepted)
         }
         if not tried:
             return None
@@ -160,22 +212,23 @@ class Search:
         lowest = min(evidence.values())
         name = next(n for n in self.candidates if n in tried and evidence[n] < lowest + TIED)
         drop = current.evidence(effective) - evidence[name]
-        gain = current.samples * (current.rms**2 - tried[name].rms**2)
+        gain = current.samples * (current.rms**2 - tried[name].rms ** 2)
         effects = [n for n in tried if not n.startswith("param.")]
         chance = chance_gain(
             current, [self.signature(tried[n], n) for n in effects], closest.residuals
         ) * (tried[name].unknowns - current.unknowns or 1)
         share = gain / max(self._unexplained(self.baseline), 1e-300)
-        earned = drop > DECISIVE and gain > chance and share > SMALLEST_SHARE
+        matters = share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)
+        earned = drop > DECISIVE and gain > chance and matters
         self.ledger.append(
-            {
-                "added_to": list(current.hypothesis.members),
-                "candidate": name,
-                "evidence_drop": drop,
-                "gain_over_chance": gain / chance if chance else None,
-                "share_of_unexplained": share,
-                "accepted": earned,
-                "all": {n: {"rms": tried[n].rms, "evidence": e} for n, e in evidence.items()},
-            }
+            Step(
+                current.hypothesis.members,
+                name,
+                earned,
+                evidence_drop=drop,
+                gain_over_chance=gain / chance if chance else float("inf"),
+                share=share,
+                rms={n: f.rms for n, f in tried.items()},
+            )
         )
         return name if earned else None

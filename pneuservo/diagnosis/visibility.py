@@ -66,7 +66,7 @@ def lookalikes(search: Search, parameter: str) -> list[str]:
     chosen = search.chosen
     mine = _sensitivity(search, chosen, parameter)
     alike = [f"param.{parameter}"]
-    for other in search.model.fitted:
+    for other in search.model.fitted(search.cases[0]):
         if other != parameter and _cosine(mine, _sensitivity(search, chosen, other)) > (
             SAME_DIRECTION
         ):

@@ -1,31 +1,26 @@
 """What the gas in a closed chamber does beyond the polytropic law."""
 
-import math
-
 from pneuservo.effects.effect import Effect, EffectParameter
-from pneuservo.plant.compilation import compiled
-
-
-@compiled
-def settling_rate(time, pressure, temperature, excess, time_constant):
-    """Return the pressure rate of gas that settles to the wall temperature [Pa/s]."""
-    return -pressure / temperature * excess / time_constant * math.exp(-time / time_constant)
-
 
 HEAT_TRANSFER = Effect(
     id="chamber.heat-transfer",
     block="dead-volume",
     rigs=("dead-volume",),
     statement=(
-        "The gas settles to the wall temperature after filling or venting; "
+        "The gas warms and cools and settles to the wall temperature; "
         "the model holds its temperature constant."
     ),
-    equation="dp/dt = -(p/T) (excess/time_constant) exp(-t/time_constant)",
+    equation=(
+        "V dp/dt = g R (m_in T_in - m_out T) - V (p/T) (T - T_wall)/time_constant, "
+        "T(0) = T_wall + excess"
+    ),
     parameters=(
         EffectParameter(
-            "excess", "K", 0.0, -60.0, 60.0, (2.0, -2.0), "gas above wall temperature at the start"
+            "excess", "K", 0.0, -60.0, 60.0, (2.0, -2.0), "gas above wall temperature at first"
         ),
-        EffectParameter("time_constant", "s", 1.0, 0.1, 200.0, (1.0, 40.0), "thermal settling time"),
+        EffectParameter(
+            "time_constant", "s", 0.0, 0.0, 200.0, (2.0, 40.0), "thermal settling time"
+        ),
     ),
     source="Carneiro and Gomes de Almeida 2006, Proc. IMechE I 220; thesis equation (4.10)",
     experiment=(

@@ -89,9 +89,7 @@ DRY_DAMPING = Effect(
     rigs=_RIGS,
     statement="Part of the damping does not depend on the rate; the model holds it proportional.",
     equation="y'' + 2 damping w y' + w level sgn(y') + w^2 y = gain w^2 u",
-    parameters=(
-        EffectParameter("level", "V/s", 0.0, -10.0, 10.0, (0.01,), "dry damping over w"),
-    ),
+    parameters=(EffectParameter("level", "V/s", 0.0, -10.0, 10.0, (0.01,), "dry damping over w"),),
     source="crossover distortion of output stages; Horowitz and Hill, The Art of Electronics",
     experiment="let it ring down to rest: dry damping ends it in a straight line",
 )

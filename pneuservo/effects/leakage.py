@@ -91,13 +91,11 @@ PRESSURE_OPENING = Effect(
     ),
     equation="m_leak = coefficient ((p - p_atm) / 1 bar)^exponent",
     parameters=(
-        EffectParameter(
-            "coefficient", "kg/s", 0.0, 0.0, 1e-2, (1e-7, 3e-6), "leak at 1 bar gauge"
-        ),
+        EffectParameter("coefficient", "kg/s", 0.0, 0.0, 1e-2, (1e-7, 3e-6), "leak at 1 bar gauge"),
         EffectParameter("exponent", "", 1.0, 0.5, 2.5, (1.2,), "power of the gauge pressure"),
     ),
     source="fit to leak-down recordings of printed chambers, Zillen 2021",
     experiment=_EXPERIMENT,
     group="leak to the atmosphere",
 )
-EFFECTS = (ORIFICE, LAMINAR, MIXED, PRESSURE_OPENING)
+LEAKS = EFFECTS = (ORIFICE, LAMINAR, MIXED, PRESSURE_OPENING)

@@ -87,7 +87,11 @@ class Rig:
     @property
     def effect_values(self) -> dict[str, float]:
         """Return the parameters of all effects by ``effect:parameter``."""
-        return {f"{e}:{p}": value for e, values in self.effects.items() for p, value in values.items()}
+        return {
+            f"{effect}:{name}": value
+            for effect, values in self.effects.items()
+            for name, value in values.items()
+        }
 
     def with_values(self, values: Mapping[str, float]) -> "Rig":
         """Return the rig with some parameter values replaced.
@@ -170,9 +174,12 @@ def load_rig(name_or_path: str | Path) -> Rig:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as problem:
         raise InputError(f"{path}: there is no such rig file") from problem
+    except IsADirectoryError as problem:
+        raise InputError(f"{path}: is a folder, a rig file is needed") from problem
     except (OSError, UnicodeDecodeError) as problem:
         raise InputError(f"{path}: cannot be read as text: {problem}") from problem
-    except tomllib.TOMLDecodeError as problem:
+    # Very deep nesting and very long integers make the parser give up in its own ways.
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as problem:
         raise InputError(f"{path}: is not valid TOML: {problem}") from problem
     return _merge(data, path)
 

@@ -70,12 +70,6 @@ class CircuitModel(Model):
     unit: ClassVar[str] = "V"
     block: ClassVar[str] = "circuit"
     required: ClassVar[tuple[str, ...]] = ("circuit_input", "circuit_output")
-    fitted: ClassVar[tuple[str, ...]] = (
-        "circuit.gain",
-        "circuit.frequency",
-        "circuit.damping",
-        "circuit.input_offset",
-    )
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording with its input between the samples."""
@@ -121,25 +115,30 @@ class CircuitModel(Model):
         }
         return {key: value for key, value in guess.items() if np.isfinite(value) and value}
 
-    def nuisances(self, case: Case, active: frozenset[str]) -> list[list[Unknown]]:
+    def fitted(self, case: Case) -> tuple[str, ...]:
+        """Return what the test itself decides, and what is known only within tolerances."""
+        return (
+            "circuit.gain",
+            "circuit.frequency",
+            "circuit.damping",
+            "circuit.input_offset",
+        )
+
+    def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return the state at the first sample."""
         good = case.measured[case.usable]
         span = 10.0 * max(float(np.ptp(good)), 1e-9)
         slope = float(np.max(np.abs(np.diff(good)))) / case.inputs["interval"]
         rate = float(np.gradient(good[:3])[0]) / case.inputs["interval"]
         return [
-            [
-                Unknown("initial_output", float(good[0]), -span, span, unit="V"),
-                Unknown("initial_rate", rate, -100 * slope, 100 * slope, unit="V/s"),
-            ]
+            Unknown("initial_output", float(good[0]), -span, span, unit="V"),
+            Unknown("initial_rate", rate, -100 * slope, 100 * slope, unit="V/s"),
         ]
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the output voltage [V]."""
         get = values.get
-        drive = values["circuit.gain"] * (
-            case.inputs["drive"] - get("circuit.input_offset", 0.0)
-        )
+        drive = values["circuit.gain"] * (case.inputs["drive"] - get("circuit.input_offset", 0.0))
         stiffness = (
             get("circuit.quadratic-stiffness:coefficient", 0.0),
             get("circuit.cubic-stiffness:coefficient", 0.0),
@@ -171,6 +170,12 @@ class CircuitModel(Model):
             f"where the output exceeds {large * 1e3:.3g} mV": size > large,
             f"where the output is below {large * 0.25e3:.3g} mV": size < 0.25 * large,
         }
+
+    def closeup(self, case: Case) -> slice:
+        """Return about fifteen periods round the largest output."""
+        middle = int(np.nanargmax(np.abs(case.measured)))
+        half = int(7.5 / (self.first_guess(case)["circuit.frequency"] * case.inputs["interval"]))
+        return slice(max(0, middle - half), middle + half)
 
     def regressors(self, case: Case) -> dict[str, Array]:
         """Return output, its rate, the input and time."""

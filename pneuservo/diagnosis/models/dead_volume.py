@@ -1,70 +1,32 @@
 """A closed test volume: behind one valve port, or left alone."""
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
 from pneuservo.diagnosis.noise import noise_floor
-from pneuservo.effects.chamber import settling_rate
-from pneuservo.effects.leakage import laminar_leak, orifice_leak, power_leak
-from pneuservo.plant.compilation import compiled
+from pneuservo.effects.leakage import LEAKS
+from pneuservo.plant.dead_volume import PORT_A, PORT_B
+from pneuservo.plant.from_rig import dead_volume, valve_grid
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
-_LONGEST_STEP = 0.05
+_LONGEST_STEP = 0.02
 """Longest integration step [s]; the fastest leaks in use empty a volume in seconds."""
 
 
-@compiled
-def _rate(time, pressure, ambient, temperature, gas_constant, exponent, index, volume, leak, heat):
-    area, conductance, coefficient, power = leak
-    flow = orifice_leak(pressure, ambient, temperature, gas_constant, exponent, area)
-    flow += laminar_leak(pressure, ambient, temperature, conductance)
-    flow += power_leak(pressure, ambient, coefficient, power)
-    excess, time_constant = heat
-    return -index * gas_constant * temperature * flow / volume + settling_rate(
-        time, pressure, temperature, excess, time_constant
-    )
-
-
-@compiled
-def _decay(times, start, initial, ambient, temperature, gas_constant, exponent, index, volume,
-           leak, heat, longest_step):  # fmt: skip
-    """Integrate the pressure of a closed volume that is let go at `start` (classical RK4)."""
-    pressure = np.empty(times.size)
-    p = initial
-    pressure[0] = p
-    for k in range(1, times.size):
-        t = max(times[k - 1], start)
-        span = times[k] - t
-        if span > 0.0:
-            steps = int(np.ceil(span / longest_step))
-            h = span / steps
-            for _ in range(steps):
-                a = t - start
-                k1 = _rate(a, p, ambient, temperature, gas_constant, exponent, index, volume,
-                           leak, heat)  # fmt: skip
-                k2 = _rate(a + h / 2, p + h / 2 * k1, ambient, temperature, gas_constant, exponent,
-                           index, volume, leak, heat)  # fmt: skip
-                k3 = _rate(a + h / 2, p + h / 2 * k2, ambient, temperature, gas_constant, exponent,
-                           index, volume, leak, heat)  # fmt: skip
-                k4 = _rate(a + h, p + h * k3, ambient, temperature, gas_constant, exponent, index,
-                           volume, leak, heat)  # fmt: skip
-                p += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-                t += h
-        pressure[k] = p
-    return pressure
-
-
 class DeadVolumeModel(Model):
-    """Pressure of a closed volume from its own past and its leaks.
+    """Pressure of a closed volume from the valve's command, its own past and its leaks.
 
     Notes
     -----
-    The gas is polytropic. The volume may be held from outside at first; from `start` on it is
-    alone. Only leak over volume can be found from pressure alone, so the volume counts as known.
+    The gas is polytropic. Without a valve the volume may be held from outside at first; from
+    `start` on it is alone. Only leak over volume can be found from pressure alone, so the volume
+    then counts as known.
     """
 
     kind: ClassVar[str] = "dead-volume"
@@ -72,29 +34,41 @@ class DeadVolumeModel(Model):
     unit: ClassVar[str] = "Pa"
     block: ClassVar[str] = "dead-volume"
     required: ClassVar[tuple[str, ...]] = ("dead_volume_pressure",)
-    fitted: ClassVar[tuple[str, ...]] = ()
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:
-        """Return the recording with its noise."""
-        measured = recording[self.channel]
-        noise = recording.noise_rms.get(self.channel) or noise_floor(measured, recording.time)
-        return Case(recording, measured, {"time": recording.time}, noise, rig, np.isfinite(measured))
+        """Return the recording with its noise and the opening of the valve."""
+        measured, time = recording[self.channel], recording.time
+        noise = recording.noise_rms.get(self.channel) or noise_floor(measured, time)
+        full = rig["valve.full_voltage"]
+        voltage = np.zeros(len(time))
+        if "valve_voltage" in recording:
+            voltage = np.clip(np.nan_to_num(recording["valve_voltage"]), -full, full)
+        inputs = {"time": time, "opening": voltage / full, "port": _port(measured, voltage)}
+        return Case(recording, measured, inputs, noise, rig, np.isfinite(measured))
 
-    def nuisances(self, case: Case, active: frozenset[str]) -> list[list[Unknown]]:
+    def fitted(self, case: Case) -> tuple[str, ...]:
+        """Return the volume where the valve's known flow reveals it."""
+        return ("dead-volume.volume", "supply.pressure") if self._has_valve(case) else ()
+
+    @staticmethod
+    def _has_valve(case: Case) -> bool:
+        return bool(np.any(case.inputs["opening"]))
+
+    def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return level, transducer zero, and when the volume was left alone."""
         level = float(np.nanmedian(case.measured[:5]))
         unknowns = [Unknown("initial_pressure", level, 1e3, 5e6, unit="Pa")]
-        if not any(effect.startswith("leakage.") for effect in active):
-            return [unknowns]
+        if not active & _LEAK_IDS:
+            return unknowns
         lowest = float(np.nanmin(case.measured)) - case.rig["ambient.pressure"]
         if lowest < 0.2 * (level - case.rig["ambient.pressure"]):
             # A zero shift only shows when the pressure comes near the ambient.
             unknowns.append(Unknown("pressure_offset", 0.0, -5e3, 5e3, 1e3, "Pa"))
-        released = self._release(case)
+        released = None if self._has_valve(case) else self._release(case)
         if released is not None:
             latest = 0.9 * float(case.recording.time[-1])
             unknowns.append(Unknown("start", released, 0.0, latest, unit="s"))
-        return [unknowns]
+        return unknowns
 
     def _release(self, case: Case) -> float | None:
         """Return when a volume that was held from outside was let go, None if it never was [s]."""
@@ -112,37 +86,53 @@ class DeadVolumeModel(Model):
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the pressure history [Pa]."""
-        rig = case.rig
-        leak = (
-            values.get("leakage.orifice:area", 0.0) + values.get("leakage.mixed:area", 0.0),
-            values.get("leakage.laminar:conductance", 0.0)
-            + values.get("leakage.mixed:conductance", 0.0),
-            values.get("leakage.pressure-opening:coefficient", 0.0),
-            values.get("leakage.pressure-opening:exponent", 1.0),
-        )
-        heat = (
-            values.get("chamber.heat-transfer:excess", 0.0),
-            values.get("chamber.heat-transfer:time_constant", 1.0),
-        )
-        offset = values.get("pressure_offset", 0.0)
-        time = case.inputs["time"]
-        pressure = _decay(
+        get, time = values.get, case.inputs["time"]
+        rig = case.rig.with_values({key: values[key] for key in self.fitted(case) if key in values})
+        offset = get("pressure_offset", 0.0)
+        pressure = run_leaking_volume(
             time,
-            values.get("start", 0.0),
+            case.inputs["opening"],
+            get("start", 0.0),
             values["initial_pressure"] - offset,
-            rig["ambient.pressure"],
-            rig["temperature"],
-            rig["gas.constant"],
-            rig["gas.isentropic_exponent"],
-            rig["dead-volume.polytropic_index"],
-            rig["dead-volume.volume"],
-            leak,
-            heat,
+            case.inputs["port"],
+            dead_volume(rig),
+            valve_grid(rig.valve),
+            _leak(values),
+            get("chamber.heat-transfer:excess", 0.0),
+            get("chamber.heat-transfer:time_constant", 0.0),
             _LONGEST_STEP,
         )
-        drift = values.get("sensor.pressure-drift:rate", 0.0)
+        drift = get("sensor.pressure-drift:rate", 0.0)
         reading: Array = pressure + offset + drift * time
         return reading
+
+    def derived(
+        self, case: Case, effect: str
+    ) -> dict[str, tuple[str, Callable[[Values, Values], float]]]:
+        """Return how fast a leak empties the volume at first, and when it began."""
+        if effect not in _LEAK_IDS:
+            return {}
+
+        def fall(shared: Values, own: Values) -> float:
+            values = {**shared, **own}
+            start = own["initial_pressure"] - values.get("pressure_offset", 0.0)
+            moments = np.array([0.0, 1e-3])
+            rig = case.rig
+            if values.get("chamber.heat-transfer:time_constant", 0.0):
+                # The leak alone, once the gas has settled.
+                rig = rig.with_values({"dead-volume.polytropic_index": 1.0})
+            pressure = run_leaking_volume(
+                moments, np.zeros(2), 0.0, start, PORT_A, dead_volume(rig),
+                valve_grid(case.rig.valve), _leak(values), 0.0, 0.0, _LONGEST_STEP,
+            )  # fmt: skip
+            return float(np.diff(pressure)[0] / 1e-3)
+
+        found: dict[str, tuple[str, Callable[[Values, Values], float]]] = {
+            "pressure_rate_at_first": ("Pa/s", fall)
+        }
+        if any(unknown.key == "start" for unknown in self.nuisances(case, frozenset([effect]))):
+            found["start"] = ("s", lambda shared, own: own["start"])
+        return found
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by pressure."""
@@ -156,3 +146,22 @@ class DeadVolumeModel(Model):
     def regressors(self, case: Case) -> dict[str, Array]:
         """Return pressure and time."""
         return {"pressure": case.measured, "time": case.recording.time}
+
+
+_LEAK_IDS = frozenset(effect.id for effect in LEAKS)
+
+
+def _leak(values: Values) -> Leak:
+    get = values.get
+    return Leak(
+        get("leakage.orifice:area", 0.0) + get("leakage.mixed:area", 0.0),
+        get("leakage.laminar:conductance", 0.0) + get("leakage.mixed:conductance", 0.0),
+        get("leakage.pressure-opening:coefficient", 0.0),
+        get("leakage.pressure-opening:exponent", 1.0),
+    )
+
+
+def _port(pressure: Array, voltage: Array) -> int:
+    """Return the port the volume is on: the one whose opening moves the pressure as it did."""
+    change = np.nansum(np.diff(pressure) * np.sign(voltage[:-1]))
+    return PORT_A if change >= 0.0 else PORT_B

@@ -1,6 +1,6 @@
 """What every model of the diagnosis offers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -78,8 +78,6 @@ class Model:
     unit: ClassVar[str]
     block: ClassVar[str]
     required: ClassVar[tuple[str, ...]]
-    fitted: ClassVar[tuple[str, ...]]
-    """Rig parameters that a refit of the baseline may move."""
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -107,8 +105,16 @@ class Model:
         """Return the recording as this model needs it."""
         raise NotImplementedError
 
-    def nuisances(self, case: Case, active: frozenset[str]) -> list[list[Unknown]]:
-        """Return the unknowns of one recording alone, once per start worth trying."""
+    def fitted(self, case: Case) -> tuple[str, ...]:
+        """Return the rig parameters that a refit of the baseline may move."""
+        return ()
+
+    def first_guess(self, case: Case) -> dict[str, float]:
+        """Return where a fit of the free rig parameters should start, as far as data tell."""
+        return {}
+
+    def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
+        """Return the unknowns of one recording alone, given the effects that are on."""
         raise NotImplementedError
 
     def predict(self, case: Case, values: Values) -> Array:
@@ -120,10 +126,17 @@ class Model:
         raise NotImplementedError
 
     def derived(
-        self, cases: Sequence[Case], shared: Values, own: Sequence[Values], effect: str
-    ) -> dict[str, dict[str, Any]]:
-        """Return quantities that follow from an effect's parameters and say more to people."""
+        self, case: Case, effect: str
+    ) -> dict[str, tuple[str, Callable[[Values, Values], float]]]:
+        """Return what follows from an effect's parameters and says more to people.
+
+        Name to unit and a function of the shared and the recording's own values.
+        """
         return {}
+
+    def closeup(self, case: Case) -> slice:
+        """Return the stretch of a recording that a picture should show."""
+        return slice(None)
 
     def regressors(self, case: Case) -> dict[str, Array]:
         """Return the quantities that what is left over may depend on."""

@@ -17,6 +17,8 @@ _GLITCH = 5
 """Samples of the median that removes single wrong readings of the displacement."""
 _SMOOTHING = 9
 """Samples of the quadratic smoothing of the displacement: shorter than any reversal."""
+_GAP = 3.0
+"""A step in time this many times the usual one is a gap."""
 
 
 @compiled
@@ -33,13 +35,15 @@ def _follow(displacement, play):
     return followed
 
 
-def condition_displacement(displacement: Array) -> Array:
+def condition_displacement(displacement: Array, time: Array) -> Array:
     """Return the displacement with single wrong readings, noise and missing samples removed.
 
     Parameters
     ----------
     displacement : (n,) array
         As recorded; NaN where a sample is missing [m].
+    time : (n,) array
+        Time of each sample; nothing is smoothed across a gap [s].
 
     Returns
     -------
@@ -49,14 +53,19 @@ def condition_displacement(displacement: Array) -> Array:
     from scipy.ndimage import median_filter
     from scipy.signal import savgol_filter
 
-    index = np.arange(len(displacement))
     good = np.isfinite(displacement)
-    filled = np.interp(index, index[good], displacement[good])
-    cleaned = median_filter(filled, _GLITCH, mode="nearest")
-    smooth = savgol_filter(cleaned, _SMOOTHING, 2)
+    filled = np.interp(time, time[good], displacement[good])
+    steps = np.diff(time)
+    pieces = np.split(filled, np.flatnonzero(steps > _GAP * np.median(steps)) + 1)
+    cleaned = [median_filter(piece, _GLITCH, mode="nearest") for piece in pieces]
+    smooth = [
+        savgol_filter(piece, _SMOOTHING, 2) if len(piece) >= _SMOOTHING else piece
+        for piece in cleaned
+    ]
     # The noise that is left moves the smoothed curve by about a third of what was removed.
-    spread = float(np.median(np.abs(cleaned - smooth))) / 0.6745
-    followed: Array = _follow(smooth, 2.0 * spread / 3.0)
+    removed = np.concatenate(cleaned) - np.concatenate(smooth)
+    spread = float(np.median(np.abs(removed))) / 0.6745
+    followed: Array = _follow(np.concatenate(smooth), 2.0 * spread / 3.0)
     return followed
 
 
@@ -75,17 +84,12 @@ class SealTesterModel(Model):
     unit: ClassVar[str] = "N"
     block: ClassVar[str] = "piston"
     required: ClassVar[tuple[str, ...]] = ("displacement", "pressure_a", "force")
-    fitted: ClassVar[tuple[str, ...]] = (
-        "piston.diameter",
-        "piston.coulomb_friction",
-        "sensor.force.offset",
-    )
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording with its direction of motion worked out."""
         force, time = recording["force"], recording.time
         noise = recording.noise_rms.get("force") or noise_floor(force, time)
-        displacement = condition_displacement(recording["displacement"])
+        displacement = condition_displacement(recording["displacement"], time)
         pressure = recording["pressure_a"]
         good = np.isfinite(pressure)
         gauge = np.interp(time, time[good], pressure[good]) - rig["ambient.pressure"]
@@ -101,9 +105,17 @@ class SealTesterModel(Model):
         }
         return Case(recording, force, inputs, noise, rig, np.isfinite(force))
 
-    def nuisances(self, case: Case, active: frozenset[str]) -> list[list[Unknown]]:
+    def fitted(self, case: Case) -> tuple[str, ...]:
+        """Return what the test itself decides, and what is known only within tolerances."""
+        return (
+            "piston.diameter",
+            "piston.coulomb_friction",
+            "sensor.force.offset",
+        )
+
+    def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return the friction that was built up before the recording began."""
-        return [[Unknown("initial_presliding", 0.0, -1.0, 1.0)]]
+        return [Unknown("initial_presliding", 0.0, -1.0, 1.0)]
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the force at the rod [N]."""
@@ -118,9 +130,7 @@ class SealTesterModel(Model):
         level = values["piston.coulomb_friction"] + get("friction.pressure:slope", 0.0) * pressure
         excess = get("friction.stribeck:excess", 0.0)
         if excess:
-            level = level + excess * np.exp(
-                -inputs["speed"] / get("friction.stribeck:speed", 1.0)
-            )
+            level = level + excess * np.exp(-inputs["speed"] / get("friction.stribeck:speed", 1.0))
         along = (
             1.0
             + get("friction.position:slope", 0.0) * share
@@ -151,6 +161,10 @@ class SealTesterModel(Model):
             "above 4 bar gauge": case.inputs["gauge_pressure"] > 4e5,
             "below 2 bar gauge": case.inputs["gauge_pressure"] < 2e5,
         }
+
+    def closeup(self, case: Case) -> slice:
+        """Return a quarter of the recording: two or three strokes of a usual run."""
+        return slice(0, max(200, len(case.measured) // 4))
 
     def regressors(self, case: Case) -> dict[str, Array]:
         """Return place with direction, speed, pressure and time."""

@@ -1,0 +1,62 @@
+"""``pneuservo demo``: the main job end to end."""
+
+import json
+from pathlib import Path
+
+import click
+import tomli_w
+
+from analog_card.console import progress
+from analog_card.design_file import design_to_toml
+from analog_card.files import write_whole
+
+_EPILOG = """\b
+Examples:
+  pneuservo demo --out out/demo
+  pneuservo demo --out out/mine --recording out/demo/example/leaking-volume.csv
+"""
+
+
+@click.command("demo", epilog=_EPILOG)
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("out/demo"),
+    show_default=True,
+    help="Folder for the results.",
+)
+@click.option(
+    "--recording",
+    type=click.Path(path_type=Path),
+    help="Your own recording, in place of the example.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the example's noise.")
+def command(out: Path, recording: Path | None, seed: int) -> None:
+    """Tune the card, run its netlist, close the loop, diagnose a recording, and report."""
+    from pneuservo.demo import run_demo, summary
+    from pneuservo.diagnosis import document, repaired_model
+    from pneuservo.report.demo_page import demo_page
+    from pneuservo.report.words import headline
+
+    with progress() as step:
+        demo = run_demo(out, recording, seed, step)
+        step("writing the report")
+        answer = document(demo.diagnosis)
+        # Everything is made before anything is written.
+        files = {
+            "card.toml": design_to_toml(demo.tuning.design),
+            "summary.json": json.dumps(summary(demo, answer), indent=2) + "\n",
+            "diagnosis.json": json.dumps(answer, indent=2) + "\n",
+            "model.toml": tomli_w.dumps(repaired_model(demo.diagnosis)),
+            "report.html": demo_page(demo, answer),
+        }
+        for name, content in files.items():
+            write_whole(out / name, content)
+    pots = ", ".join(f"{p.name} {p.fraction:.3f}" for p in demo.tuning.potentiometers)
+    worst = max(d.worst / d.limit for d in demo.verification.deviations if d.limit)
+    settling = max(s.settling_time for s in demo.loop.step_responses())
+    click.echo(f"card:      {pots} (fraction of travel)")
+    click.echo(f"netlist:   worst deviation {worst:.2%} of its limit")
+    click.echo(f"loop:      slowest step settles within {settling * 1e3:.0f} ms")
+    click.echo(f"diagnosis: {answer['verdict']}: {headline(answer)}")
+    click.echo(f"report:    {out / 'report.html'}")

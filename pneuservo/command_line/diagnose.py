@@ -1,0 +1,151 @@
+"""``pneuservo diagnose``: where and why a simulation differs from recordings."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+import tomli_w
+
+from analog_card.console import progress
+from analog_card.files import write_whole
+from analog_card.quantities import to_si
+from pneuservo.recordings import Recording, read_recording
+
+
+class Window(click.ParamType):
+    """A stretch of time, ``START:END``, either side optional."""
+
+    name = "START:END"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        """Return start and end in seconds."""
+        if isinstance(value, tuple):
+            return value
+        start, separator, end = str(value).partition(":")
+        if not separator:
+            self.fail(f"{value!r} has no colon; write for example 1.5:4 or 82s:", param, ctx)
+        try:
+            window = (
+                to_si(start, "s", "start") if start.strip() else float("-inf"),
+                to_si(end, "s", "end") if end.strip() else float("inf"),
+            )
+        except Exception as problem:
+            self.fail(str(problem), param, ctx)
+        if window[0] >= window[1]:
+            self.fail(f"{value!r} ends before it starts", param, ctx)
+        return window
+
+
+class _ManyValidated(click.Command):
+    """Lets one ``--validate`` take all the files up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        spread: list[str] = []
+        collecting = False
+        for word in args:
+            if word == "--validate":
+                collecting = True
+                continue
+            if word.startswith("-"):
+                collecting = False
+            spread += ["--validate", word] if collecting else [word]
+        if args and args[-1] == "--validate":
+            spread.append("--validate")
+        return super().parse_args(ctx, spread)
+
+
+_EPILOG = """\b
+Examples:
+  pneuservo diagnose out/demo/example/leaking-volume.csv --out out/diagnosis
+  pneuservo diagnose out/demo/example/leaking-volume.csv --json
+"""
+
+
+@click.command("diagnose", cls=_ManyValidated, epilog=_EPILOG)
+@click.argument("recordings", nargs=-1, required=True, metavar="REC [REC ...]")
+@click.option(
+    "--validate",
+    multiple=True,
+    metavar="REC [REC ...]",
+    help="Recordings to hold back: nothing shared is fitted to them.",
+)
+@click.option("--rig", help="Rig name or rig file, in place of the one the recordings name.")
+@click.option("--window", type=Window(), help="Use only this stretch of the recordings [s].")
+@click.option(
+    "--validate-window",
+    type=Window(),
+    help="Use only this stretch of the recordings held back [s].",
+)
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("out/diagnosis"),
+    show_default=True,
+    help="Folder for the answer.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json and nothing else.")
+def command(
+    recordings: tuple[str, ...],
+    validate: tuple[str, ...],
+    rig: str | None,
+    window: tuple[float, float] | None,
+    validate_window: tuple[float, float] | None,
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Say where and why the simulation of a rig differs from recordings of it.
+
+    Writes diagnosis.json, report.html and model.toml, the repaired rig. Exit status: 0 with an
+    answer, whatever it is; 2 for unusable input; 3 when a fit failed.
+    """
+    from pneuservo.diagnosis import diagnose
+
+    with progress() as step:
+        step("reading the recordings")
+        used = [_read(path, rig, window) for path in recordings]
+        held_back = [_read(path, rig, validate_window) for path in validate]
+        found = diagnose(used, held_back, rig, step)
+        step("writing the report")
+        answer = write_answer(found, out)
+    if as_json:
+        click.echo(json.dumps(answer, indent=2))
+        return
+    from pneuservo.report.words import headline
+
+    click.echo(f"{answer['verdict']}: {headline(answer)}")
+    click.echo(f"report: {out / 'report.html'}")
+
+
+def write_answer(found: Any, folder: Path) -> dict[str, Any]:
+    """Write a diagnosis into a folder and return its document.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        What was found.
+    folder : Path
+        Where ``diagnosis.json``, ``report.html`` and ``model.toml`` go.
+
+    Returns
+    -------
+    dict
+        The content of ``diagnosis.json``.
+    """
+    from pneuservo.diagnosis import document, repaired_model
+    from pneuservo.report.page import diagnosis_page
+
+    answer = document(found)
+    # Everything is made before anything is written.
+    page, model = diagnosis_page(found, answer), tomli_w.dumps(repaired_model(found))
+    write_whole(folder / "diagnosis.json", json.dumps(answer, indent=2) + "\n")
+    write_whole(folder / "model.toml", model)
+    write_whole(folder / "report.html", page)
+    return answer
+
+
+def _read(path: str, rig: str | None, window: tuple[float, float] | None) -> Recording:
+    recording = read_recording(path, rig)
+    return recording.slice(*window) if window else recording

@@ -1,0 +1,203 @@
+"""The least-squares problem behind a fit: unknowns, starts, bounds and residuals."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models import Case, Model, Unknown
+from pneuservo.diagnosis.models.model import Array, Values
+
+
+@dataclass
+class Problem:
+    """The vector of unknowns and the residuals they leave.
+
+    Parameters
+    ----------
+    model : Model
+        What is simulated.
+    cases : sequence of Case
+        What it is compared with.
+    shared : list of Unknown
+        Unknowns that hold for every recording.
+    own : list of list of Unknown
+        Unknowns of each recording alone.
+    begin : (m,) array, optional
+        Where the fit begins, where that is not the unknowns' start [SI].
+    scale : float, optional
+        What one residual counts as one standard deviation [SI].
+    jacobian : (n, m) array, optional
+        Sensitivities at the solution, once there is one.
+    """
+
+    model: Model
+    cases: Sequence[Case]
+    shared: list[Unknown]
+    own: list[list[Unknown]]
+    begin: Array | None = None
+    scale: float = 1.0
+    jacobian: Array | None = None
+
+    def __post_init__(self) -> None:
+        self.unknowns = [*self.shared, *itertools.chain.from_iterable(self.own)]
+        self.units = np.array([_typical_size(u) for u in self.unknowns])
+        self.start = np.array([u.start for u in self.unknowns])
+        tolerated = [i for i, u in enumerate(self.unknowns) if u.sigma is not None]
+        self.tolerated = np.array(tolerated, dtype=int)
+        self.sigma = np.array([self.unknowns[i].sigma for i in tolerated], dtype=float)
+        if self.begin is None:
+            self.begin = self.start
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the lowest and highest vector."""
+        low = np.array([u.low for u in self.unknowns])
+        high = np.array([u.high for u in self.unknowns])
+        return low / self.units, high / self.units
+
+    def values(self, vector: Array) -> list[dict[str, float]]:
+        """Return the values of each case."""
+        numbers = (vector * self.units).tolist()
+        common = {u.key: number for u, number in zip(self.shared, numbers, strict=False)}
+        offset, values = len(self.shared), []
+        for case, own in zip(self.cases, self.own, strict=True):
+            mine = numbers[offset : offset + len(own)]
+            known = case.rig.effect_values | common
+            values.append(known | {u.key: x for u, x in zip(own, mine, strict=True)})
+            offset += len(own)
+        return values
+
+    def residuals(self, vector: Array) -> list[Array]:
+        """Return measured minus modelled for each case, usable samples only."""
+        return [
+            (case.measured - self.model.predict(case, values))[case.usable]
+            for case, values in zip(self.cases, self.values(vector), strict=True)
+        ]
+
+    def distance(self, vector: Array) -> Array:
+        """Return how far tolerated values are from nominal, in tolerances."""
+        moved = (vector * self.units)[self.tolerated] - self.start[self.tolerated]
+        distance: Array = moved / self.sigma
+        return distance
+
+    def cost_vector(self, vector: Array) -> Array:
+        """Return everything the optimiser squares and sums."""
+        residual = np.concatenate(self.residuals(vector)) / self.scale
+        bounded = np.nan_to_num(residual, nan=1e9, posinf=1e9, neginf=-1e9)
+        return np.concatenate([bounded, self.distance(vector)])
+
+
+def _typical_size(unknown: Unknown) -> float:
+    if unknown.start:
+        return abs(unknown.start)
+    if unknown.sigma:
+        return unknown.sigma
+    span = unknown.high - unknown.low
+    return span / 100.0 if np.isfinite(span) else 1.0
+
+
+def problems_of(
+    model: Model,
+    cases: Sequence[Case],
+    hypothesis: Hypothesis,
+    near: tuple[Values, Sequence[Values]] | None = None,
+) -> list[Problem]:
+    """Return the problem of fitting a hypothesis, once per start worth trying.
+
+    Parameters
+    ----------
+    model, cases, hypothesis
+        What is fitted to what.
+    near : (shared, own), optional
+        Fitted values of a similar hypothesis, to start from as well.
+
+    Returns
+    -------
+    list of Problem
+        They differ only in where they begin.
+    """
+    own = _own_unknowns(model, cases, hypothesis)
+    baseline = _baseline_unknowns(model, cases[0], hypothesis)
+    problems = [
+        Problem(model, cases, [*baseline, *effects], own)
+        for effects in _effect_unknowns(model, hypothesis)
+    ]
+    if near is None:
+        return problems
+    return [*problems, *(_moved(problem, *near) for problem in problems)]
+
+
+def problem_with(
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis, shared: Values
+) -> Problem:
+    """Return the problem of fitting each recording's own values, the shared ones held.
+
+    Parameters
+    ----------
+    model, cases, hypothesis
+        What is fitted to what.
+    shared : mapping of str to float
+        Values of all shared unknowns.
+
+    Returns
+    -------
+    Problem
+        It has no shared unknowns.
+    """
+    return Problem(_Held(model, shared), cases, [], _own_unknowns(model, cases, hypothesis))
+
+
+def _own_unknowns(
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis
+) -> list[list[Unknown]]:
+    return [model.nuisances(case, hypothesis.effects | set(case.rig.effects)) for case in cases]
+
+
+def _baseline_unknowns(model: Model, case: Case, hypothesis: Hypothesis) -> list[Unknown]:
+    found = []
+    guess = model.first_guess(case)
+    for key in model.fitted(case):
+        parameter = case.rig.parameters[key]
+        known = parameter.tolerance and not parameter.free and key not in hypothesis.loosened
+        start = guess.get(key, parameter.value) if parameter.free else parameter.value
+        # Signs are part of what is known; only zero-centred values may change theirs.
+        low = 0.0 if parameter.value > 0.0 and start > 0.0 else -np.inf
+        sigma = parameter.tolerance if known else None
+        found.append(Unknown(key, start, low, np.inf, sigma, parameter.unit))
+    return found
+
+
+def _effect_unknowns(model: Model, hypothesis: Hypothesis) -> list[list[Unknown]]:
+    """Return the unknowns of the effects, once per combination of their starts."""
+    switched = [effect for effect in model.effects if effect.id in hypothesis.effects]
+    parameters = [(effect.key(p.name), p) for effect in switched for p in effect.parameters]
+    return [
+        [
+            Unknown(key, start, p.low, p.high, None, p.unit)
+            for (key, p), start in zip(parameters, starts, strict=True)
+        ]
+        for starts in itertools.product(*(p.starts for _, p in parameters))
+    ]
+
+
+class _Held(Model):
+    """A model with its shared values held."""
+
+    def __init__(self, model: Model, values: Values):
+        self._model, self._values = model, dict(values)
+
+    def predict(self, case: Case, values: Values) -> Array:
+        return self._model.predict(case, self._values | dict(values))
+
+
+def _moved(problem: Problem, shared: Values, own: Sequence[Values]) -> Problem:
+    """Return the problem begun at other values, as far as they have the same unknowns."""
+    begin = [
+        values.get(unknown.key, unknown.start)
+        for values, block in zip([shared, *own], [problem.shared, *problem.own], strict=True)
+        for unknown in block
+    ]
+    return replace(problem, begin=np.array(begin))

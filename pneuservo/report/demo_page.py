@@ -1,0 +1,54 @@
+"""The page of the main job."""
+
+from typing import Any
+
+from pneuservo.demo import Demo
+from pneuservo.report.page import diagnosis_content, render
+from pneuservo.report.svg import BASELINE, MEASURED, REPAIRED, draw, thinned
+
+
+def demo_page(demo: Demo, answer: dict[str, Any]) -> str:
+    """Return the report of the main job as one HTML page.
+
+    Parameters
+    ----------
+    demo : Demo
+        Its results.
+    answer : dict
+        The document of its diagnosis.
+
+    Returns
+    -------
+    str
+        HTML with inline pictures; it needs no network.
+    """
+    return render(
+        "demo_page.html",
+        demo=demo,
+        steps=demo.loop.step_responses(),
+        netlist_figure=draw(_netlist, demo.verification, size=(9.0, 6.0), shape=(2, 2)),
+        loop_figure=draw(_loop, demo.loop, size=(9.0, 5.6), shape=(3, 1), ratios=(2.0, 1.0, 1.0)),
+        **diagnosis_content(demo.diagnosis, answer),
+    )
+
+
+def _netlist(axes: Any, verification: Any) -> None:
+    verification.plot(axes)
+
+
+def _loop(axes: Any, loop: Any) -> None:
+    displacement, voltage, pressure = axes
+    time = loop.time
+    displacement.plot(time, loop["demand"] * 1e3, color=MEASURED, ls="--", lw=1.0, label="demand")
+    displacement.plot(
+        *thinned(time, loop["displacement"] * 1e3), color=REPAIRED, label="displacement"
+    )
+    displacement.set_ylabel("displacement [mm]")
+    displacement.legend(loc="upper right", ncols=2)
+    voltage.plot(*thinned(time, loop["valve_voltage"]), color=REPAIRED, lw=0.8)
+    voltage.set_ylabel("valve [V]")
+    for name, colour in (("pressure_a", REPAIRED), ("pressure_b", BASELINE)):
+        pressure.plot(*thinned(time, loop[name] * 1e-5), color=colour, label=name.replace("_", " "))
+    pressure.set_ylabel("pressure [bar]")
+    pressure.set_xlabel("time [s]")
+    pressure.legend(loc="upper right", ncols=2)

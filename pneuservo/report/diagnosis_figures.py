@@ -1,0 +1,150 @@
+"""The pictures of a diagnosis."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from pneuservo.diagnosis import Diagnosis
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.models import Case
+from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
+
+# For people: a scale, the unit to print, and what is subtracted first.
+_DISPLAY = {"Pa": (1e-5, "bar"), "N": (1.0, "N"), "V": (1e3, "mV")}
+_CHAINS = {
+    "dead-volume": ("supply", "valve.flow", "dead-volume", "sensor.pressure"),
+    "seal-tester": ("chamber.a", "piston", "load", "sensor.force"),
+    "circuit": ("circuit",),
+}
+
+
+def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str, Any]:
+    """Return the pictures of a diagnosis as SVG text.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    answer : dict
+        Its document.
+
+    Returns
+    -------
+    dict
+        ``curves``: a list of (title, svg); ``blocks`` and ``rivals``: svg, the latter None
+        when there is nothing to compare.
+    """
+    search = diagnosis.search
+    worst = int(np.argmax([float(np.mean(r**2)) for r in search.baseline.residuals]))
+    shown = [("used", worst, search.cases[worst], search.baseline, search.chosen)]
+    if diagnosis.before_held_back and diagnosis.after_held_back:
+        pair = (diagnosis.before_held_back, diagnosis.after_held_back)
+        shown.append(("held back", 0, diagnosis.held_back[0], *pair))
+    curves = [
+        (
+            f"{case.recording.title or case.recording.name} ({role})",
+            draw(
+                _curves, diagnosis, case, (before, after), index,
+                size=(9.0, 4.8), shape=(2, 1), ratios=(2.0, 1.0),
+            ),
+        )
+        for role, index, case, before, after in shown
+    ]  # fmt: skip
+    alone = search.ledger[0].rms if search.ledger else {}
+    rivals = None
+    if alone:
+        rivals = draw(_rivals, diagnosis, alone, size=(9.0, 0.9 + 0.3 * (len(alone) + 2)))
+    return {
+        "curves": curves,
+        "blocks": draw(_blocks, diagnosis.rig.kind, answer, size=(9.0, 1.5)),
+        "rivals": rivals,
+    }
+
+
+def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], index: int) -> None:
+    above, below = axes
+    scale, unit = _DISPLAY[diagnosis.model.unit]
+    name = diagnosis.model.channel.replace("_", " ")
+    window = diagnosis.model.closeup(case)
+    time = case.recording.time
+    above.plot(
+        *thinned(time[window], case.measured[window] * scale),
+        color=MEASURED,
+        lw=2.2,
+        label="measured",
+    )
+    labels = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
+    repaired = diagnosis.search.accepted
+    for found, (label, colour) in zip(fits, labels, strict=True):
+        if label == "repaired" and not repaired:
+            continue
+        values = {**case.rig.effect_values, **found.shared, **found.own[index]}
+        model = diagnosis.model.predict(case, values)
+        above.plot(*thinned(time[window], model[window] * scale), color=colour, label=label)
+        residual = np.where(case.usable, case.measured - model, np.nan) * scale
+        below.plot(*thinned(time, residual), color=colour, lw=0.8)
+    noise = case.noise_rms * scale
+    if repaired:
+        # What is left after the repair has to be seen; the baseline may leave the frame.
+        reach = max(6.0 * noise, 1.1 * float(np.nanquantile(np.abs(residual), 0.999)))
+        below.set_ylim(-reach, reach)
+    below.axhspan(-2.0 * noise, 2.0 * noise, color="#bbbbbb", alpha=0.6, label="noise, ±2 rms")
+    above.set_ylabel(f"{name} [{unit}]")
+    below.set_ylabel(f"left over [{unit}]")
+    below.set_xlabel("time [s]")
+    above.legend(loc="best", ncols=3)
+    below.legend(loc="upper right")
+
+
+def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
+    from matplotlib.patches import FancyBboxPatch
+
+    share = {entry["block"]: entry["share"] for entry in answer["located"]}
+    chain = [*_CHAINS[kind], *(block for block in share if block not in _CHAINS[kind])]
+    ends = {"circuit": ("input", "output")}.get(kind, ("", ""))
+    for place, block in enumerate(chain):
+        guilty = share.get(block, 0.0)
+        face = GUILTY if guilty >= 0.2 else "#f3d3cf" if guilty > 0.0 else "#eef1f4"
+        ink = "white" if guilty >= 0.2 else "#333333"
+        box = FancyBboxPatch(
+            (place * 1.5, 0.0),
+            1.1,
+            0.6,
+            boxstyle="round,pad=0.02",
+            facecolor=face,
+            edgecolor="#8a8f94",
+        )
+        axes.add_patch(box)
+        label = f"{block}\n{guilty:.0%} of the mismatch" if guilty else block
+        axes.text(place * 1.5 + 0.55, 0.3, label, ha="center", va="center", color=ink, fontsize=9)
+        if place:
+            axes.annotate(
+                "",
+                (place * 1.5 - 0.02, 0.3),
+                (place * 1.5 - 0.38, 0.3),
+                arrowprops={"arrowstyle": "->", "color": "#8a8f94"},
+            )
+    right = (len(chain) - 1) * 1.5 + 1.1
+    for text, x in zip(ends, (-0.1, right + 0.1), strict=True):
+        axes.text(x, 0.3, text, ha="right" if x < 0 else "left", va="center", color="#333333")
+    axes.set(xlim=(-0.5, right + 0.5), ylim=(-0.1, 0.7))
+    axes.axis("off")
+
+
+def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None:
+    scale, unit = _DISPLAY[diagnosis.model.unit]
+    search = diagnosis.search
+    rows = [("baseline, re-fitted", search.baseline.rms, BASELINE)]
+    for name, rms in sorted(alone.items(), key=lambda item: -item[1]):
+        rows.append((name, rms, REPAIRED if name in search.accepted else "#aab4bd"))
+    if len(search.accepted) > 1:
+        rows.append((" + ".join(search.accepted), search.chosen.rms, REPAIRED))
+    places = np.arange(len(rows))[::-1]
+    axes.barh(places, [rms * scale for _, rms, _ in rows], color=[c for *_, c in rows], height=0.7)
+    axes.axvline(search.noise_rms * scale, color=MEASURED, lw=1.0, ls="--", label="noise")
+    axes.set_yticks(places, [name for name, *_ in rows])
+    axes.set_xscale("log")
+    axes.set_xlabel(f"left over, root mean square [{unit}]")
+    axes.grid(axis="y", visible=False)
+    axes.legend(loc="lower right")

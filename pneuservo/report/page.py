@@ -1,0 +1,91 @@
+"""Self-contained HTML pages."""
+
+from functools import cache
+from typing import Any
+
+from pneuservo.diagnosis import Diagnosis
+from pneuservo.report.diagnosis_figures import diagnosis_figures
+from pneuservo.report.words import headline, quantity
+
+
+def render(template: str, **content: Any) -> str:
+    """Return a page made from a template.
+
+    Parameters
+    ----------
+    template : str
+        Name of a file in this package's ``templates``.
+    **content
+        What the template shows; text is escaped, pictures are marked safe there.
+
+    Returns
+    -------
+    str
+        HTML without references to other files.
+    """
+    return _environment().get_template(template).render(**content)
+
+
+def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str, Any]:
+    """Return what the diagnosis section of a page shows.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    answer : dict
+        Its document.
+
+    Returns
+    -------
+    dict
+        Content for the templates.
+    """
+    remark = ""
+    if diagnosis.structure_remains and diagnosis.verdict != "unexplained":
+        ratio = diagnosis.search.chosen.rms / diagnosis.search.noise_rms
+        remark = (
+            f"What is left is {ratio:.3g} times the noise and not random: "
+            "something smaller is still missing."
+        )
+    return {
+        "answer": answer,
+        "rig": diagnosis.rig,
+        "figures": diagnosis_figures(diagnosis, answer),
+        "recordings": [case.recording for case in diagnosis.cases],
+        "ledger": diagnosis.search.ledger,
+        "remark": remark,
+    }
+
+
+def diagnosis_page(diagnosis: Diagnosis, answer: dict[str, Any]) -> str:
+    """Return the report of a diagnosis as one HTML page.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What was found.
+    answer : dict
+        Its document.
+
+    Returns
+    -------
+    str
+        HTML with inline pictures; it needs no network.
+    """
+    return render("diagnosis_page.html", **diagnosis_content(diagnosis, answer))
+
+
+@cache
+def _environment() -> Any:
+    from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+    environment = Environment(
+        loader=PackageLoader("pneuservo.report"),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals.update(headline=headline, quantity=quantity)
+    return environment

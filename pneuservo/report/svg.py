@@ -1,0 +1,102 @@
+"""Figures as SVG text that can stand inside a page."""
+
+import io
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MEASURED, BASELINE, REPAIRED, GUILTY = "#1b1b1b", "#d1761b", "#1f6fb4", "#c8372d"
+"""One colour each, in every picture."""
+
+_STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "pneuservo",
+    "font.family": "sans-serif",
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "legend.frameon": False,
+}
+
+
+def draw(
+    paint: Callable[..., Any],
+    *content: Any,
+    size: tuple[float, float],
+    shape: tuple[int, int] = (1, 1),
+    ratios: tuple[float, ...] | None = None,
+) -> str:
+    """Return a picture as the text of one ``<svg>`` element.
+
+    Parameters
+    ----------
+    paint : callable
+        Draws on the axes it is given; called as ``paint(axes, *content)``.
+    *content
+        What it draws.
+    size : (width, height)
+        In inches.
+    shape : (rows, columns), optional
+        Number of axes; one is passed as it is, several as a list.
+    ratios : tuple of float, optional
+        Relative heights of the rows.
+
+    Returns
+    -------
+    str
+        An ``<svg>`` element without XML header, free of references to other files.
+    """
+    import matplotlib
+
+    with matplotlib.rc_context(_STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=size, layout="constrained")
+        axes = figure.subplots(*shape, squeeze=False, height_ratios=ratios).ravel().tolist()
+        paint(axes[0] if len(axes) == 1 else axes, *content)
+        stream = io.StringIO()
+        bare = {"Date": None, "Creator": None}
+        figure.savefig(stream, format="svg", bbox_inches="tight", metadata=bare)
+    text = stream.getvalue()
+    return text[text.index("<svg") :]
+
+
+def thinned(
+    x: NDArray[np.float64], y: NDArray[np.float64], most: int = 1500
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a curve with few points that looks the same: lowest and highest of each stretch.
+
+    Parameters
+    ----------
+    x, y : (n,) array
+        The curve; NaN in y are kept apart.
+    most : int, optional
+        About how many points to keep.
+
+    Returns
+    -------
+    x, y : (m,) array
+        The kept points in order.
+
+    Examples
+    --------
+    >>> len(thinned(np.arange(9000.0), np.arange(9000.0))[0]) <= 1502
+    True
+    """
+    if len(x) <= most:
+        return x, y
+    keep = []
+    for stretch in np.array_split(np.arange(len(x)), most // 2):
+        part = y[stretch]
+        if np.all(np.isnan(part)):
+            keep.append(int(stretch[0]))
+            continue
+        keep += sorted({int(stretch[np.nanargmin(part)]), int(stretch[np.nanargmax(part)])})
+    index = np.array(keep)
+    return x[index], y[index]

@@ -1,0 +1,73 @@
+"""Numbers and findings in words."""
+
+import math
+from typing import Any
+
+# For people: SI unit to scale and unit.
+_UNITS = {
+    "Pa": (1e-5, "bar"),
+    "Pa/s": (1e-2, "mbar/s"),
+    "m**2": (1e6, "mm²"),
+    "kg/s": (1e6, "mg/s"),
+    "V": (1e3, "mV"),
+    "": (1.0, ""),
+}
+
+
+def quantity(value: float | None, unit: str) -> str:
+    """Return a number with three significant digits and a unit that people use.
+
+    Parameters
+    ----------
+    value : float or None
+        In SI.
+    unit : str
+        SI unit.
+
+    Returns
+    -------
+    str
+        Such as ``"0.503 mbar/s"``; a dash for None.
+
+    Examples
+    --------
+    >>> quantity(502.9, "Pa"), quantity(1.6e-6, "kg/s"), quantity(None, "N")
+    ('0.00503 bar', '1.6 mg/s', '–')
+    """
+    if value is None or not math.isfinite(value):
+        return "–"
+    scale, name = _UNITS.get(unit, (1.0, unit.replace("**2", "²").replace("**3", "³")))
+    return f"{value * scale:.3g} {name.replace('**', '^').replace('*', ' ')}".strip()
+
+
+def headline(answer: dict[str, Any]) -> str:
+    """Return the answer of a diagnosis in one sentence.
+
+    Parameters
+    ----------
+    answer : dict
+        The document of a diagnosis.
+
+    Returns
+    -------
+    str
+        The sentence.
+    """
+    channel, fit = next(iter(answer["fit"]["channels"].items()))
+    name, unit = channel.replace("_", " "), fit["unit"]
+    before, after = fit["before"]["used"], fit["after"]["used"]
+    change = (
+        f"the misfit of the {name} falls from {quantity(before, unit)} to {quantity(after, unit)}"
+    )
+    if answer["verdict"] == "consistent":
+        return (
+            f"The simulation agrees with the recordings: it misses the {name} by "
+            f"{quantity(after, unit)}, and no effect in the catalogue does better than chance."
+        )
+    if answer["verdict"] == "parameter":
+        names = ", ".join(answer["corrected_parameters"]) or "a parameter"
+        return f"A parameter is off ({names}), no physics is missing: {change}."
+    if answer["verdict"] == "unexplained":
+        return answer["missing"][0]["statement"] + f" Left over: {quantity(after, unit)}."
+    statements = " ".join(entry["statement"] for entry in answer["missing"])
+    return f"{statements} With that in the model {change}."
