@@ -205,7 +205,9 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         if problem.jacobian is not None
         else np.zeros((len(everything), len(vector)))
     )
-    covariance = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(problem.units, problem.units)
+    covariance: Array = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(
+        problem.units, problem.units
+    )
     half = _INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
     bounds = (
         [

@@ -104,7 +104,7 @@ ASYMMETRIC = Effect(
         EffectParameter("difference", "N", 0.0, -10.0, 10.0, (0.3,), "half the difference"),
     ),
     source="thesis tables 4.6 and 4.7",
-    experiment="turn the cylinder round, or vent the chamber and drive it by hand: the offset stays",
+    experiment="turn the cylinder round, or vent it and drive it by hand: an offset stays",
 )
 POSITION = Effect(
     id="friction.position",

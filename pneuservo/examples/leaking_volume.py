@@ -57,7 +57,7 @@ def leaking_volume(seed: int = 0, duration: float = 90.0, rate: float = 10.0) ->
     """
     from scipy.integrate import solve_ivp
 
-    time = np.arange(int(round(duration * rate)) + 1) / rate
+    time = np.arange(round(duration * rate) + 1) / rate
     pressure = AMBIENT_PRESSURE + _INITIAL_GAUGE
     mass = pressure * _VOLUME / (_R * AMBIENT_TEMPERATURE)
     alone = time[time > _RELEASED]
