@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.models import Case, Model, model_of
@@ -108,14 +109,16 @@ def diagnose(
         for group in (recordings, validate)
     )
     search = Search(model, cases, progress)
-    search.run()
     before = after = None
-    if held_back:
-        progress("predicting what was held back")
-        before, after = (
-            fit(model, held_back, found.hypothesis, fixed=found.shared)
-            for found in (search.baseline, search.chosen)
-        )
+    # The fits' matrices are tall and narrow: threads would only wait for each other.
+    with threadpool_limits(limits=1, user_api="blas"):
+        search.run()
+        if held_back:
+            progress("predicting what was held back")
+            before, after = (
+                fit(model, held_back, found.hypothesis, fixed=found.shared)
+                for found in (search.baseline, search.chosen)
+            )
     return Diagnosis(chosen_rig, model, search, held_back, before, after)
 
 

@@ -200,23 +200,16 @@ def _solve(problem: Problem, vector: Array, hypothesis: Hypothesis) -> Array:
 def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Values | None) -> Fit:
     residuals = problem.residuals(vector)
     everything = np.concatenate(residuals)
-    jacobian = (
-        problem.jacobian
-        if problem.jacobian is not None
-        else np.zeros((len(everything), len(vector)))
-    )
-    covariance: Array = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(
-        problem.units, problem.units
-    )
+    jacobian = problem.jacobian
+    if jacobian is None:
+        jacobian = np.zeros((len(everything), len(vector)))
+    spread = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(problem.units, problem.units)
+    covariance = np.asarray(spread, dtype=np.float64)
     half = _INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
-    bounds = (
-        [
-            (float(max(x - h, u.low)), float(min(x + h, u.high)))
-            for x, h, u in zip(vector * problem.units, half, problem.unknowns, strict=True)
-        ]
-        if len(half)
-        else []
-    )
+    bounds = [
+        (float(max(x - h, u.low)), float(min(x + h, u.high)))
+        for x, h, u in zip(vector * problem.units, half, problem.unknowns, strict=False)
+    ]
     values = problem.values(vector)
     keys = [[u.key for u in own] for own in problem.own]
     ends = iter(bounds)

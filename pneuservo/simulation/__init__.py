@@ -1,0 +1,21 @@
+"""Simulating a rig: one run, its result, and what is read off it."""
+
+from pneuservo.simulation.demand import step_demand
+from pneuservo.simulation.initial_state import InitialState
+from pneuservo.simulation.metrics import LimitCycle, StepResponse, limit_cycle, step_responses
+from pneuservo.simulation.replay import replay
+from pneuservo.simulation.result import Simulation
+from pneuservo.simulation.run import simulate, simulate_dead_volume
+
+__all__ = [
+    "InitialState",
+    "LimitCycle",
+    "Simulation",
+    "StepResponse",
+    "limit_cycle",
+    "replay",
+    "simulate",
+    "simulate_dead_volume",
+    "step_demand",
+    "step_responses",
+]

@@ -1,0 +1,91 @@
+"""What a run is given, checked before the kernels see it."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pneuservo.errors import InputError
+from pneuservo.rigs import Rig, load_rig
+
+Samples = NDArray[np.float64]
+
+# Against a step of 1 us no channel is off by more than 3e-6 of its range, a relay loop by 5e-5.
+LARGEST_STEP = 20e-6
+# About ten minutes of computing; a longer span is a slip in the unit of the time.
+_MOST_STEPS = 2_000_000_000
+
+
+def require_kind(rig: Rig | str, kind: str) -> Rig:
+    """Return a rig that can be simulated.
+
+    Parameters
+    ----------
+    rig : Rig or str
+        A rig, or the name or path of one.
+    kind : str
+        Which chain of blocks it has to be.
+
+    Returns
+    -------
+    Rig
+        The rig.
+
+    Raises
+    ------
+    InputError
+        When it is of another kind, or has physics beyond the baseline.
+    """
+    if isinstance(rig, str):
+        rig = load_rig(rig)
+    if rig.kind != kind:
+        raise InputError(
+            f"rig {rig.name} is of kind {rig.kind}; {kind} is needed here. "
+            "Rigs of kind single-axis and dead-volume can be simulated"
+        )
+    if rig.effects:
+        raise InputError(
+            f"rig {rig.name} has effects beyond the baseline that cannot be simulated: "
+            f"{', '.join(sorted(rig.effects))}; remove them from [effects] to simulate without"
+        )
+    return rig
+
+
+def require_times(time: ArrayLike) -> Samples:
+    """Return times as the kernels take them, refusing any that do not increase [s]."""
+    times = np.array(time, dtype=float, order="C")
+    if times.ndim != 1 or len(times) < 2:
+        raise InputError(f"time has the shape {times.shape}; two or more times in a row are needed")
+    if not np.isfinite(times).all():
+        raise InputError(f"time {_first_bad(times)}; every time has to be a finite number")
+    steps = np.diff(times)
+    if not (steps > 0.0).all():
+        k = int(np.argmax(steps <= 0.0))
+        raise InputError(
+            f"time does not increase: {times[k]:g} s is followed by {times[k + 1]:g} s "
+            f"(samples {k} and {k + 1})"
+        )
+    if (times[-1] - times[0]) / LARGEST_STEP > _MOST_STEPS:
+        raise InputError(
+            f"time spans {times[-1] - times[0]:g} s; up to {_MOST_STEPS * LARGEST_STEP:g} s can be "
+            "simulated in one run. Check the unit of the time"
+        )
+    return times
+
+
+def require_samples(name: str, values: ArrayLike | None, times: Samples) -> Samples:
+    """Return one value for every time as the kernels take them, refusing missing ones."""
+    samples = np.array(values, dtype=float, order="C")
+    if samples.ndim == 0:
+        samples = np.full(len(times), float(samples))
+    if samples.shape != times.shape:
+        raise InputError(f"{name} has the shape {samples.shape}, time has {times.shape}")
+    if not np.isfinite(samples).all():
+        raise InputError(
+            f"{name} {_first_bad(samples)}; a value holds until the next, so that every one "
+            "has to be a finite number"
+        )
+    return samples
+
+
+def _first_bad(values: Samples) -> str:
+    k = int(np.argmin(np.isfinite(values)))
+    return f"is {values[k]} at sample {k}"

@@ -1,0 +1,164 @@
+"""``pneuservo simulate`` as typed."""
+
+import json
+import shlex
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from pneuservo.command_line import main
+from pneuservo.recordings import Recording, read_recording, write_recording
+from pneuservo.simulation import simulate, simulate_dead_volume
+
+LOOP = ["--controller", "sliding-mode", "--demand", "15,24 mm", "--hold", "0.5 s"]
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Run the command in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def invoke(*arguments):
+        return CliRunner().invoke(main, ["simulate", *arguments])
+
+    return invoke
+
+
+def record(path, **channels):
+    time = np.arange(len(next(iter(channels.values())))) * 1e-3
+    return str(write_recording(Recording("r", time, channels), path))
+
+
+def test_the_examples_of_the_help_run(run, tmp_path):
+    helped = run("--help")
+    examples = [
+        line.strip() for line in helped.output.splitlines() if "pneuservo simulate --" in line
+    ]
+    assert len(examples) == 2
+    assert helped.output.rstrip().endswith(examples[1])
+    for example in examples:
+        done = run(*shlex.split(example)[2:])
+        assert done.exit_code == 0, done.output
+    assert (tmp_path / "replayed.csv").exists()
+
+
+def test_closed_loop_writes_every_channel(run, tmp_path):
+    done = run(*LOOP, "--rate", "2 kHz", "--out", "loop.parquet", "--plot", "loop.svg")
+    assert done.exit_code == 0, done.output
+    loop = read_recording("loop.parquet")
+    assert len(loop) == 2000
+    for name in ("demand", "displacement", "velocity", "acceleration", "pressure_a", "pressure_b"):
+        assert name in loop
+    assert "valve_voltage" in loop
+    assert "spool" in loop
+    assert "44 ms" in done.output  # rise time of the step
+    assert (tmp_path / "loop.svg").read_text().lstrip().startswith("<?xml")
+
+
+def test_json_is_all_that_is_printed(run):
+    done = run(*LOOP, "--json")
+    report = json.loads(done.stdout)
+    assert report["controller"]["boundary_layer"] == 5.0
+    assert report["steps"][0]["target"] == 0.024
+    assert report["steps"][0]["rise_time"] == pytest.approx(0.044, abs=1e-3)
+    assert report["limit_cycle"] is None
+
+
+def test_options_reach_the_controller(run):
+    shape = ["--settling-time", "50 ms", "--damping", "0.8", "--boundary-layer", "6000 mm/s**2"]
+    done = run(*LOOP, *shape, "--level", "4", "--json")
+    assert json.loads(done.stdout)["controller"] == {
+        "kind": "sliding-mode",
+        "settling_time": 0.05,
+        "damping": 0.8,
+        "boundary_layer": 6.0,
+        "level": 4.0,
+    }
+
+
+def test_the_card_comes_from_its_design(run):
+    loop = ["--controller", "analogue-card", *LOOP[2:], "--json"]
+    plain = json.loads(run(*loop).stdout)["controller"]["figures"]
+    assert plain["rc_velocity"] == pytest.approx(0.012)
+    tuned = json.loads(run(*loop, "--settling-time", "0.1 s").stdout)["controller"]["figures"]
+    assert tuned["weight_displacement"] < plain["weight_displacement"]
+    relay = json.loads(run(*loop, "--boundary-layer", "0").stdout)["controller"]["figures"]
+    assert relay["output_gain"] is None  # infinite
+    assert relay["level"] == pytest.approx(5.0)
+
+
+def test_replay_equals_the_simulation_of_the_same_command(run):
+    command = 2.0 * np.sin(np.arange(100) / 10.0)
+    record("drive.csv", valve_voltage=command)
+    done = run("--replay", "drive.csv", "--out", "out.h5")
+    assert done.exit_code == 0, done.output
+    expected = simulate(time=np.arange(100) * 1e-3, command=command)
+    out = read_recording("out.h5")
+    for name in expected.channels:
+        np.testing.assert_array_equal(out[name], expected[name])
+
+
+def test_conditions_of_the_recording_are_applied(run, tmp_path):
+    record("drive.csv", valve_voltage=np.full(50, 1.0), displacement=np.full(50, 0.01))
+    sidecar = tmp_path / "drive.toml"
+    sidecar.write_text(sidecar.read_text() + '\n[conditions]\nload_mass = "6.82 kg"\n')
+    assert run("--replay", "drive.csv", "--out", "heavy.csv").exit_code == 0
+    heavy = read_recording("heavy.csv")
+    assert heavy.conditions == {"load_mass": 6.82}
+    assert heavy["displacement"][0] == 0.01
+
+
+def test_replay_of_a_test_volume(run):
+    volume = simulate_dead_volume(time=np.arange(100) * 1e-3, command=-0.5, port="b")
+    write_recording(volume.to_recording("charge"), "charge.csv")
+    done = run("--replay", "charge.csv", "--json")
+    assert json.loads(done.stdout)["difference"]["dead_volume_pressure"]["rms"] == 0.0
+
+
+def test_demand_of_a_recording(run):
+    record("wanted.csv", demand=np.full(50, 0.02), displacement=np.full(50, 0.015))
+    done = run("--controller", "proportional", "--demand", "wanted.csv", "--out", "got.csv")
+    assert done.exit_code == 0, done.output
+    got = read_recording("got.csv")
+    assert got["displacement"][0] == 0.015
+    assert got["valve_voltage"][0] == pytest.approx(5e-3 * 10.0 / 0.03)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "say what to simulate"),
+        (["--replay", "x.csv", *LOOP], "--replay and --controller exclude each other"),
+        (["--replay", "none.csv"], "none.csv: there is no such file"),
+        (["--replay", "demand.csv"], "no channel valve_voltage to replay; there are: demand"),
+        (["--replay", "gap.csv"], "valve_voltage is missing at 0.02 s (sample 20, 10 in all)"),
+        (["--replay", "demand.csv", "--hold", "1 s"], "--hold is not used by a replay"),
+        (["--controller", "sliding"], "'sliding' is not known; there are: sliding-mode"),
+        (["--controller", "slidingmode"], "Did you mean 'sliding-mode'?"),
+        (["--controller", "proportional"], "a closed loop needs --demand"),
+        ([*LOOP, "--gain", "3"], "--gain is not an option of the controller sliding-mode"),
+        ([*LOOP, "--settling-time", "70 mm"], "has the unit of a length, a time is needed"),
+        ([*LOOP, "--settling-time", "-70 ms"], "settling_time is -0.07"),
+        ([*LOOP, "--rig", "figure-arm"], "kind figure-arm; single-axis is needed"),
+        ([*LOOP, "--rig", "nowhere"], "rig 'nowhere' is not known"),
+        ([*LOOP, "--plot", "run.gif"], "a picture ends in one of: .png, .svg, .pdf"),
+        ([*LOOP, "--out", "run.xyz"], "run.xyz"),
+        ([*LOOP, "--out", "/dev/null/run.csv"], "--out /dev/null/run.csv: cannot be written"),
+        ([*LOOP[:3], "15,24"], "15 m is outside the stroke, 0 to 30 mm"),
+        ([*LOOP[:3], "15,,24 mm"], "cannot be read as a number"),
+        ([*LOOP[:3], "gap.csv"], "gap.csv: there is no channel demand"),
+        ([*LOOP[:3], "demand.csv", "--rate", "1 kHz"], "--rate is not used by a recorded demand"),
+        ([*LOOP[:3], "demand.csv", "--out", "demand.csv"], "never written over"),
+        ([*LOOP, "--port", "a"], "--port is not used by a closed loop"),
+    ],
+)
+def test_bad_input_is_refused(run, arguments, message):
+    record("demand.csv", demand=np.full(50, 0.02))
+    gap = np.ones(50)
+    gap[20:30] = np.nan
+    record("gap.csv", valve_voltage=gap)
+    done = run(*arguments)
+    assert done.exit_code == 2, done.output
+    assert message in " ".join(done.stderr.split()), done.stderr
+    assert "Traceback" not in done.output
