@@ -20,7 +20,7 @@ from analog_card.quantities import to_si
 from pneuservo.controllers import CONTROLLERS, AnalogueCard, Controller
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording, read_recording, write_recording
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation import Simulation, replay, simulate, step_demand
 from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.replay import initial_state
@@ -95,7 +95,7 @@ def command(
     if replayed is not None:
         _refuse({"demand": demand, "hold": hold, "rate": rate, **given}, "a replay")
         source = _read(replayed, rig)
-        result = replay(source, rig, port, _warn)
+        result = _replay(source, rig, port)
     elif controller is not None:
         _refuse({"port": port}, "a closed loop")
         law = _controller(controller, given)
@@ -111,6 +111,16 @@ def command(
         click.echo(json.dumps(_finite(report), indent=2))
     else:
         _print(report)
+
+
+def _replay(source: Recording, rig_name: str | None, port: str | None) -> Simulation:
+    rig = load_rig(rig_name or source.rig)
+    if rig.kind == "single-axis" or (rig.kind == "dead-volume" and not rig.effects):
+        return replay(source, rig, port, _warn)
+    from pneuservo.diagnosis.replay import replay_model
+
+    _refuse({"port": port}, f"a replay on rig {rig.name}")
+    return replay_model(source, rig)
 
 
 def _closed_loop(

@@ -74,7 +74,10 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         key: {
             "value": chosen.shared[key],
             "unit": parameter.unit,
-            "source": "fitted by the diagnosis" if key in chosen.shared else parameter.source,
+            "low": chosen.intervals[key][0],
+            "high": chosen.intervals[key][1],
+            "nominal": diagnosis.search.cases[0].rig[key],
+            "source": "fitted by the diagnosis",
         }
         for key, parameter in rig.parameters.items()
         if key in chosen.shared

@@ -1,6 +1,7 @@
 """A rig: which chain of blocks it is, and the numbers in them."""
 
 import difflib
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -38,6 +39,8 @@ class Parameter:
         Whether nothing is known beforehand, so that a fit has to find it.
     source : str, optional
         Where the value comes from.
+    nominal : float, optional
+        For a fitted value, what it was taken to be before; None when nothing was fitted [unit].
     """
 
     value: float
@@ -45,6 +48,7 @@ class Parameter:
     tolerance: float = 0.0
     free: bool = False
     source: str = ""
+    nominal: float | None = None
 
 
 @dataclass(frozen=True)
@@ -129,11 +133,22 @@ class Rig:
         -------
         Rig
             A new rig; this one is unchanged.
+
+        Notes
+        -----
+        A condition that only repeats what a fitted value was taken to be before the fit leaves
+        the fitted value alone; one that says something else overrides it.
         """
         known = self.conditions
         for key in conditions:
             _require_known(key, known, "conditions")
-        return self.with_values({known[key]: value for key, value in conditions.items()})
+        return self.with_values(
+            {
+                known[key]: value
+                for key, value in conditions.items()
+                if not _repeats(value, self.parameters[known[key]])
+            }
+        )
 
 
 def load_rig(name_or_path: str | Path) -> Rig:
@@ -229,7 +244,7 @@ def _table(data: dict[str, Any], key: str, path: Path) -> dict[str, Any]:
 def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) -> Parameter:
     if not isinstance(entry, dict):
         entry = {"value": entry}
-    fields = ("value", "unit", "tolerance", "free", "source", "low", "high")
+    fields = ("value", "unit", "tolerance", "free", "source", "nominal", "low", "high")
     for key in entry:
         _require_known(key, fields, what)
     base = base or Parameter(float("nan"), unit)
@@ -240,10 +255,15 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
         tolerance = base.tolerance
         if "tolerance" in entry:
             tolerance = _tolerance(entry["tolerance"], value, unit, f"{what} tolerance")
+        nominal = to_si(entry["nominal"], unit, what) if "nominal" in entry else base.nominal
     except QuantityError as problem:
         raise InputError(str(problem)) from problem
     free, source = bool(entry.get("free", base.free)), str(entry.get("source", base.source))
-    return Parameter(value, unit, tolerance, free, source)
+    return Parameter(value, unit, tolerance, free, source, nominal)
+
+
+def _repeats(value: float, parameter: Parameter) -> bool:
+    return parameter.nominal is not None and math.isclose(value, parameter.nominal, rel_tol=1e-9)
 
 
 def _tolerance(tolerance: Any, value: float, unit: str, what: str) -> float:
