@@ -119,6 +119,29 @@ class Tuning:
         }
 
 
+def state_weights(settling_time: float, damping: float) -> tuple[float, float]:
+    """Return the state weights c1 [1/s2] and c2 [1/s] of a sliding surface with c3 = 1.
+
+    Parameters
+    ----------
+    settling_time : float
+        Settling time of the sliding motion, 4/(damping wn) [s].
+    damping : float
+        Its damping ratio.
+
+    Notes
+    -----
+    Thesis (7.3), (7.4): c1 = wn^2, c2 = 2 zeta wn.
+
+    Examples
+    --------
+    >>> [round(weight, 1) for weight in state_weights(0.07, 1.0)]
+    [3265.3, 114.3]
+    """
+    frequency = 4 / (damping * settling_time)
+    return frequency**2, 2 * damping * frequency
+
+
 def tune(
     settling_time: float,
     damping: float = 1.0,
@@ -165,8 +188,7 @@ def tune(
     """
     _require_possible(settling_time, damping, boundary_layer, level)
     design = design or load_design()
-    frequency = 4 / (damping * settling_time)
-    weights = SurfaceWeights(frequency**2, 2 * damping * frequency, 1.0, boundary_layer, level)
+    weights = SurfaceWeights(*state_weights(settling_time, damping), 1.0, boundary_layer, level)
     turned = Turned(
         displacement_weight=displacement_setting(weights.displacement, design),
         velocity_weight=velocity_setting(weights.velocity, design),

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from analog_card.figures import CardFigures
+from analog_card.tuning import state_weights
 from pneuservo.errors import InputError
 from pneuservo.plant.control_law import CARD_TAPS, TRUE_STATES, ControlLaw
 from pneuservo.rigs import Rig
@@ -52,8 +53,7 @@ class SlidingMode:
     @property
     def weights(self) -> tuple[float, float, float]:
         """Return c1 [1/s^2], c2 [1/s] and c3 [-]."""
-        frequency = 4.0 / (self.damping * self.settling_time)
-        return frequency**2, 2.0 * self.damping * frequency, 1.0
+        return (*state_weights(self.settling_time, self.damping), 1.0)
 
     def law(self, rig: Rig) -> ControlLaw:
         """Return the law as the kernels take it."""

@@ -27,9 +27,25 @@ def demo_page(demo: Demo, answer: dict[str, Any]) -> str:
         demo=demo,
         steps=demo.loop.step_responses(),
         netlist_figure=draw(_netlist, demo.verification, size=(9.0, 6.0), shape=(2, 2)),
-        loop_figure=draw(_loop, demo.loop, size=(9.0, 5.6), shape=(3, 1), ratios=(2.0, 1.0, 1.0)),
+        loop_figure=loop_picture(demo),
         **diagnosis_content(demo.diagnosis, answer),
     )
+
+
+def loop_picture(demo: Demo) -> str:
+    """Return the picture of the closed loop as SVG text.
+
+    Parameters
+    ----------
+    demo : Demo
+        Results of the main job.
+
+    Returns
+    -------
+    str
+        Displacement, valve voltage and pressures over time.
+    """
+    return draw(_loop, demo.loop, size=(9.0, 5.6), shape=(3, 1), ratios=(2.0, 1.0, 1.0))
 
 
 def _netlist(axes: Any, verification: Any) -> None:

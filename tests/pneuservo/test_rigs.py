@@ -1,0 +1,106 @@
+"""Rigs as data: built-in ones, files that change them, and files that are refused."""
+
+import pytest
+
+from analog_card.quantities import to_si
+from pneuservo.errors import InputError
+from pneuservo.rigs import BUILT_IN_RIGS, load_rig, load_valve_tables
+from pneuservo.rigs.valve_tables import FLOW_PATHS
+
+
+@pytest.mark.parametrize("name", BUILT_IN_RIGS)
+def test_every_built_in_rig_states_its_sources(name):
+    rig = load_rig(name)
+    assert rig.kind == name
+    for key, parameter in rig.parameters.items():
+        assert parameter.source, key
+        assert parameter.tolerance >= 0.0, key
+        to_si(f"1 {parameter.unit}" if parameter.unit else "1", parameter.unit, key)
+
+
+def test_baseline_values_of_the_single_axis():
+    rig = load_rig("single-axis")
+    expected = {
+        "piston.area_a": 490.87e-6,
+        "piston.area_b": 412.33e-6,
+        "piston.stroke": 0.030,
+        "chamber.a.dead_volume": 1.7e-6,
+        "load.mass": 1.825,
+        "piston.viscous_friction": 102.53,
+        "piston.coulomb_friction": 1.013,
+        "valve.flow.area_a_e": 0.795e-6,
+        "supply.pressure": 6.5e5,
+        "ambient.pressure": 1.013e5,
+        "temperature": 293.0,
+    }
+    assert {key: rig[key] for key in expected} == pytest.approx(expected, rel=1e-12)
+
+
+def test_valve_tables_are_complete_and_ordered():
+    tables = load_valve_tables("ddv-27a1")
+    assert set(tables) == set(FLOW_PATHS)
+    for table in tables.values():
+        assert table.pressure_ratio.shape == table.discharge_coefficient.shape == (10, 5)
+        assert (table.command[1:] > table.command[:-1]).all()
+        assert (table.pressure_ratio[:, 0] == 0.0).all()
+        assert (table.pressure_ratio[:, -1] == 1.0).all()
+
+
+def write(tmp_path, text):
+    path = tmp_path / "rig.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_file_states_only_what_differs(tmp_path):
+    path = write(
+        tmp_path,
+        '[rig]\nkind = "single-axis"\ntitle = "heavy"\n'
+        '[parameters]\n"load.mass" = "6.82 kg"\n'
+        '"piston.stroke" = { value = "50 mm", tolerance = "0.1 mm" }\n'
+        '[effects."friction.pressure"]\nslope = { value = 1e-6, unit = "m**2" }\n',
+    )
+    rig = load_rig(path)
+    assert (rig.title, rig["load.mass"], rig["piston.stroke"]) == ("heavy", 6.82, 0.05)
+    assert rig.parameters["piston.stroke"].tolerance == pytest.approx(1e-4)
+    assert rig["supply.pressure"] == load_rig("single-axis")["supply.pressure"]
+    assert rig.effect_values == {"friction.pressure:slope": 1e-6}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[rig]\nkind = "single-axs"', "Did you mean 'single-axis'"),
+        ('[rig]\nkind = "single-axis"\n[parameters]\n"load.mas" = 1', "Did you mean 'load.mass'"),
+        ('[rig]\nkind = "single-axis"\n[parameters]\n"load.mass" = "6 bar"', "a mass is needed"),
+        ('[rig]\nkind = "single-axis"\n[parametres]\n', "Did you mean 'parameters'"),
+        ('[rig]\nkind = "single-axis"\n[parameters]\n"load.mass" = {wert = 1}', "'wert'"),
+        ('[rig]\nkind = "circuit"\n[effects]\nx = 3', "table of parameter values"),
+        ("[rig\n", "not valid TOML"),
+        ("a = " + "[" * 5000, "not valid TOML"),
+    ],
+)
+def test_refusals_name_what_is_wrong(tmp_path, text, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        load_rig(write(tmp_path, text))
+    assert "rig.toml" in str(refusal.value)
+
+
+def test_unknown_names_are_answered_with_the_known_ones(tmp_path):
+    with pytest.raises(InputError, match="Did you mean 'single-axis'"):
+        load_rig("singleaxis")
+    with pytest.raises(InputError, match="no such rig file"):
+        load_rig(tmp_path / "none.toml")
+    with pytest.raises(InputError, match="ddv-27a1"):
+        load_valve_tables("ddv")
+
+
+def test_a_condition_that_repeats_the_nominal_value_keeps_what_was_fitted(tmp_path):
+    path = write(
+        tmp_path,
+        '[rig]\nkind = "seal-tester"\n[parameters."piston.diameter"]\n'
+        "value = 0.02508\nnominal = 0.025\n",
+    )
+    rig = load_rig(path)
+    assert rig.with_conditions({"piston_diameter": 0.025})["piston.diameter"] == 0.02508
+    assert rig.with_conditions({"piston_diameter": 0.032})["piston.diameter"] == 0.032

@@ -1,0 +1,41 @@
+"""Every example of the README runs as it stands."""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+COMMANDS = re.findall(r"^\$ (.+)$", README, re.MULTILINE)
+COMMAND_FOLDER = Path(sys.executable).parent
+
+
+@pytest.mark.ngspice
+def test_commands_run_one_after_the_other(tmp_path):
+    assert len(COMMANDS) >= 8
+    for line in COMMANDS:
+        program, *arguments = shlex.split(line)
+        result = subprocess.run(
+            [COMMAND_FOLDER / program, *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            stdin=subprocess.DEVNULL,
+        )
+        assert result.returncode == 0, f"{line}\n{result.stderr}"
+    assert "leak" in (tmp_path / "out/diagnosis/report.html").read_text(encoding="utf-8")
+
+
+def test_python_example_runs(capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    exec(compile(example, "README.md", "exec"), {})  # noqa: S102 - our own page, not input
+    assert capsys.readouterr().out.startswith("missing-physics ['leakage.")
+
+
+def test_pages_and_pictures_named_exist():
+    for target in re.findall(r"\]\(([^)]+)\)", README):
+        assert (Path(__file__).parents[1] / target).is_file(), target
