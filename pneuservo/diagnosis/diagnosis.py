@@ -2,20 +2,24 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, fit
+from pneuservo.diagnosis.locate import strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.search import Search
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
 
-UNEXPLAINED_RATIO = 1.5
-"""Residual over noise beyond which a coloured residual counts as unexplained."""
+SUSPICIOUS_RATIO = 1.5
+"""Residual over noise beyond which what is left may be more than noise ..."""
+OBVIOUS_RATIO = 6.0
+"""... and beyond which it is; coloured noise reaches 4 times its own floor."""
 COLOURED = 0.2
 """A residual worth fewer than this share of its samples is coloured."""
 
@@ -55,12 +59,24 @@ class Diagnosis:
             return "parameter"
         return "unexplained" if self.structure_remains else "consistent"
 
-    @property
+    @cached_property
     def structure_remains(self) -> bool:
-        """Return whether the chosen model leaves more than noise behind."""
-        chosen = self.search.chosen
+        """Return whether the chosen model leaves more than noise behind.
+
+        Noise whose size is known, or a residual far above its floor, decides at once. Between
+        them only a coloured residual counts that depends on something that was recorded: noise
+        may be coloured too, but it does not know where the piston is.
+        """
+        chosen, model, cases = self.search.chosen, self.search.model, self.search.cases
         ratio = chosen.rms / self.search.noise_rms
-        return ratio > UNEXPLAINED_RATIO and chosen.effective < COLOURED * chosen.samples
+        if ratio < SUSPICIOUS_RATIO:
+            return False
+        known = all(model.channel in case.recording.noise_rms for case in cases)
+        if known or ratio > OBVIOUS_RATIO:
+            return True
+        if chosen.effective > COLOURED * chosen.samples:
+            return False
+        return strongest_dependence(model, cases, chosen.residuals).beyond_chance
 
     @property
     def cases(self) -> list[Case]:

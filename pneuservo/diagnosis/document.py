@@ -152,10 +152,10 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
 
 def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
     search = diagnosis.search
-    name, share = strongest_dependence(search.model, search.cases, search.chosen.residuals)
+    found = strongest_dependence(search.model, search.cases, search.chosen.residuals)
     shape = (
-        f"depends on {name}, which accounts for {share:.0%} of it"
-        if share > 0.05
+        f"depends on {found.name}, which accounts for {found.share:.0%} of it"
+        if found.beyond_chance
         else "depends on nothing that was recorded"
     )
     return {

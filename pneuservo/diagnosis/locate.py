@@ -1,12 +1,14 @@
 """Where a model falls short: which samples, and what they have in common."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.noise import surrogate
 
 _LIFT = 1.3
 """A regime is named when its mean square is this many times that of the whole."""
@@ -14,6 +16,9 @@ _COVERAGE = 0.25
 """And when it holds at least this share of the energy."""
 _BINS = 12
 _BLOCKS = 40
+_DRAWS = 40
+_LEAST_SHARE = 0.05
+"""A dependence that accounts for less than this is not worth a word."""
 
 
 def regime_in_words(model: Model, cases: Sequence[Case], energy: Array) -> str:
@@ -73,10 +78,30 @@ def onset_in_words(starts: Sequence[float]) -> str:
     return "since " + " / ".join(f"{start:.1f} s" for start in starts) + " in the recording"
 
 
+@dataclass(frozen=True)
+class Dependence:
+    """What a residual depends on.
+
+    Parameters
+    ----------
+    name : str
+        The quantity; empty when there is none.
+    share : float
+        Share of the residual variance that a curve over this quantity explains on samples
+        that did not shape the curve [-].
+    beyond_chance : bool
+        Whether noise of the same spectrum depends less on it, in 95 of 100 draws.
+    """
+
+    name: str
+    share: float
+    beyond_chance: bool
+
+
 def strongest_dependence(
-    model: Model, cases: Sequence[Case], residuals: Sequence[Array]
-) -> tuple[str, float]:
-    """Return the quantity that residuals depend on most, and how much of them it explains.
+    model: Model, cases: Sequence[Case], residuals: Sequence[Array], seed: int = 0
+) -> Dependence:
+    """Return the quantity that residuals depend on most, beyond what noise would.
 
     Parameters
     ----------
@@ -86,30 +111,40 @@ def strongest_dependence(
         The recordings.
     residuals : sequence of array
         Residuals, usable samples only.
+    seed : int, optional
+        Seed of the noise it is compared with.
 
     Returns
     -------
-    name : str
-        The quantity.
-    share : float
-        Share of the residual variance that a curve over this quantity explains on samples
-        that did not shape the curve; 0 when none does [-].
+    Dependence
+        The one that stands out most from chance.
     """
+    rng = np.random.default_rng(seed)
+    draws = [
+        np.concatenate([surrogate(part - part.mean(), rng) for part in residuals])
+        for _ in range(_DRAWS)
+    ]
     residual = np.concatenate(residuals)
-    block = np.arange(len(residual)) * _BLOCKS // len(residual)
-    train = block % 2 == 0
-    best = ("", 0.0)
+    best, margin = Dependence("", 0.0, False), -np.inf
     for name, values in _joined(model, cases).items():
-        edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1))[1:-1])
-        bins = np.digitize(values, edges)
-        sums = np.bincount(bins[train], residual[train], _BINS)
-        counts = np.bincount(bins[train], minlength=_BINS)
-        curve = sums / np.maximum(counts, 1)
-        test = residual[~train]
-        share = 1.0 - float(np.mean((test - curve[bins[~train]]) ** 2) / np.mean(test**2))
-        if share > best[1]:
-            best = (name, share)
+        share = _explained(residual, values)
+        chance = float(np.quantile([_explained(draw, values) for draw in draws], 0.95))
+        if share - chance > margin:
+            margin = share - chance
+            best = Dependence(name, max(share, 0.0), share > max(chance, _LEAST_SHARE))
     return best
+
+
+def _explained(residual: Array, values: Array) -> float:
+    """Return the share of a residual that its mean over bins of a quantity explains."""
+    train = (np.arange(len(residual)) * _BLOCKS // len(residual)) % 2 == 0
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1))[1:-1])
+    bins = np.digitize(values, edges)
+    sums = np.bincount(bins[train], residual[train], _BINS)
+    counts = np.bincount(bins[train], minlength=_BINS)
+    curve = sums / np.maximum(counts, 1)
+    test = residual[~train]
+    return 1.0 - float(np.mean((test - curve[bins[~train]]) ** 2) / np.mean(test**2))
 
 
 def _joined(model: Model, cases: Sequence[Case]) -> Mapping[str, Array]:

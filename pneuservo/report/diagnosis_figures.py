@@ -83,7 +83,7 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
         model = diagnosis.model.predict(case, values)
         above.plot(*thinned(time[window], model[window] * scale), color=colour, label=label)
         residual = np.where(case.usable, case.measured - model, np.nan) * scale
-        below.plot(*thinned(time, residual), color=colour, lw=0.8)
+        below.plot(*thinned(time, residual), color=colour, lw=0.8, alpha=0.8)
     noise = case.noise_rms * scale
     if repaired:
         # What is left after the repair has to be seen; the baseline may leave the frame.

@@ -13,6 +13,9 @@ _UNITS = {
     "": (1.0, ""),
 }
 
+_LIKELY = 0.5
+"""Below this probability an effect is only claimed as one of its class."""
+
 
 def quantity(value: float | None, unit: str) -> str:
     """Return a number with three significant digits and a unit that people use.
@@ -69,5 +72,17 @@ def headline(answer: dict[str, Any]) -> str:
         return f"A parameter is off ({names}), no physics is missing: {change}."
     if answer["verdict"] == "unexplained":
         return answer["missing"][0]["statement"] + f" Left over: {quantity(after, unit)}."
-    statements = " ".join(entry["statement"] for entry in answer["missing"])
+    statements = " ".join(_claim(entry) for entry in answer["missing"])
     return f"{statements} With that in the model {change}."
+
+
+def _claim(entry: dict[str, Any]) -> str:
+    """Return what is claimed of one effect: no more than its class when that is all there is."""
+    if entry["probability"] >= _LIKELY or len(entry["class"]) == 1:
+        return str(entry["statement"])
+    physics, _, _ = entry["statement"].partition(";")
+    rivals = ", ".join(entry["class"][1:])
+    return (
+        f"It looks as if {physics[0].lower()}{physics[1:]}, "
+        f"but these recordings cannot tell that from {rivals}."
+    )
