@@ -52,9 +52,10 @@ class Quantity(click.ParamType):
     ) -> float:
         """Return the value in SI."""
         try:
-            number = to_si(value, self.unit, param.opts[-1] if param else "value")
+            number = to_si(value, self.unit, "value")
         except InputError as problem:
-            self.fail(str(problem), param, ctx)
+            # Click names the option itself.
+            self.fail(str(problem).removeprefix("value: "), param, ctx)
         if self.minimum is not None and number <= self.minimum:
             self.fail(f"{value!r} is not greater than {self.minimum:g} {self.unit}", param, ctx)
         return number

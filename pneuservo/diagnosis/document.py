@@ -15,6 +15,8 @@ from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE
 
 SCHEMA = 1
+WORTH_CORRECTING = 0.1
+"""A parameter that moved by a smaller share of its tolerance is not worth correcting."""
 
 
 def document(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -171,11 +173,12 @@ def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
-    chosen, rig = diagnosis.search.chosen, diagnosis.rig
+    chosen, case = diagnosis.search.chosen, diagnosis.search.cases[0]
     corrected = {}
-    for key in diagnosis.model.fitted(diagnosis.search.cases[0]):
-        parameter, (low, high) = rig.parameters[key], chosen.intervals[key]
-        if not parameter.free and not low <= parameter.value <= high:
+    for key in diagnosis.model.fitted(case):
+        parameter, (low, high) = case.rig.parameters[key], chosen.intervals[key]
+        moved = abs(chosen.shared[key] - parameter.value) > WORTH_CORRECTING * parameter.tolerance
+        if moved and not parameter.free and not low <= parameter.value <= high:
             corrected[key] = {
                 "value": chosen.shared[key],
                 "unit": parameter.unit,

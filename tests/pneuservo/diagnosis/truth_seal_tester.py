@@ -16,26 +16,30 @@ DIAMETER = 0.025
 AREA = np.pi / 4.0 * DIAMETER**2
 COULOMB = 6.0
 HALF_STROKE = 0.015
-LASER_NOISE = 8e-6
+LASER_NOISE = 3e-6
 FORCE_NOISE = 0.05
 
 
-def drive(samples, speed=0.008, slow=None):
-    """Triangular motion about 25 mm: position [m] and velocity [m/s].
+def drive(samples, speeds=(0.008,), half_stroke=HALF_STROKE, ramp=0.1):
+    """Position [m] and velocity [m/s] of strokes about 25 mm, one speed after the other.
 
-    `slow` is the speed of every second pair of strokes, where two speeds are wanted.
+    The drive turns with a constant acceleration that takes it through rest in `ramp` [s].
     """
-    speeds = (speed, speed, slow or speed, slow or speed)
-    ends = [0.0]
-    while ends[-1] < samples / RATE:
-        ends.append(ends[-1] + 2.0 * HALF_STROKE / speeds[(len(ends) - 1) % 4])
-    turns = [0.025 + HALF_STROKE * (-1.0) ** (k + 1) for k in range(len(ends))]
     time = np.arange(samples) / RATE
-    # A turn belongs to the stroke it ends, as seen from the samples.
-    stroke = np.searchsorted(ends, time, side="left") - 1
-    stroke[0] = 0
-    velocity = np.array([speeds[k % 4] * (-1.0) ** k for k in stroke])
-    return np.interp(time, ends, turns), velocity
+    corners, velocities, moment, sign = [0.0], [0.0], 0.0, 1.0
+    while moment < time[-1]:
+        speed = speeds[(len(corners) // 4) % len(speeds)]
+        cruise = 2.0 * half_stroke / speed - ramp
+        for span, velocity in ((ramp, sign * speed), (cruise, sign * speed)):
+            moment += span
+            corners.append(moment)
+            velocities.append(velocity)
+        sign = -sign
+    velocity = np.interp(time, corners, velocities)
+    fine = np.linspace(0.0, time[-1], 20 * samples)
+    moved = np.concatenate([[0.0], np.cumsum(np.diff(fine) * 0.5 * (
+        np.interp(fine[1:], corners, velocities) + np.interp(fine[:-1], corners, velocities)))])
+    return 0.025 - half_stroke + np.interp(time, fine, moved), velocity
 
 
 def maxwell_slip(position, breakaway, stiffness):
