@@ -18,6 +18,12 @@ from pneuservo.rigs import Rig
 _LONGEST_STEP = 0.02
 """Longest integration step [s]; the fastest leaks in use empty a volume in seconds."""
 
+_EARLY = 0.25
+"""Share of the whole loss that counts as its beginning."""
+_FEWEST = 12
+_HELD = 0.5
+"""A held start has to fit so much better than a smooth one."""
+
 
 class DeadVolumeModel(Model):
     """Pressure of a closed volume from the valve's command, its own past and its leaks.
@@ -71,18 +77,21 @@ class DeadVolumeModel(Model):
         return unknowns
 
     def _release(self, case: Case) -> float | None:
-        """Return when a volume that was held from outside was let go, None if it never was [s]."""
+        """Return when a volume that was held from outside was let go, None if it never was [s].
+
+        A volume that was never held loses its first pressure along a smooth curve; one that was
+        held stays level and then turns off.
+        """
         time, pressure = case.recording.time[case.usable], case.measured[case.usable]
-        level = float(np.median(pressure[: max(5, len(pressure) // 100)]))
-        near = np.abs(pressure - level) < max(6.0 * case.noise_rms, 2e-3 * level)
-        last = int(np.flatnonzero(near)[-1])
-        after = slice(last, last + max(5, len(pressure) // 20))
-        if last < 5 or len(pressure[after]) < 5:
-            return None
-        # Held, if it would have lost far more before that moment at the rate it had after it.
-        rate = float(np.polyfit(time[after], pressure[after], 1)[0])
-        lost = abs(pressure[last] - level) + case.noise_rms
-        return float(time[last]) if abs(rate) * (time[last] - time[0]) > 5.0 * lost else None
+        level = float(np.median(pressure[:5]))
+        lost = np.flatnonzero(level - pressure > _EARLY * (level - pressure.min()))
+        early = slice(0, max(_FEWEST, int(lost[0]) + 1 if len(lost) else len(time)))
+        t, p = time[early], pressure[early]
+        smooth = float(np.sum((p - np.polynomial.Polynomial.fit(t, p, 2)(t)) ** 2))
+        misfit = {turn: _misfit_of_turn(t, p, turn) for turn in np.linspace(t[0], t[-1], 60)[1:-3]}
+        turn = min(misfit, key=lambda moment: misfit[moment])
+        held = misfit[turn] < _HELD * smooth and turn > 2.0 * case.recording.sampling_interval
+        return float(turn) if held else None
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the pressure history [Pa]."""
@@ -146,6 +155,13 @@ class DeadVolumeModel(Model):
     def regressors(self, case: Case) -> dict[str, Array]:
         """Return pressure and time."""
         return {"pressure": case.measured, "time": case.recording.time}
+
+
+def _misfit_of_turn(time: Array, pressure: Array, turn: float) -> float:
+    """Return the squares left by a level that turns into a straight line [Pa^2]."""
+    columns = np.column_stack([np.ones(len(time)), np.maximum(time - turn, 0.0)])
+    left = np.linalg.lstsq(columns, pressure, rcond=None)[1]
+    return float(left[0]) if len(left) else np.inf
 
 
 _LEAK_IDS = frozenset(effect.id for effect in LEAKS)
