@@ -92,6 +92,16 @@ class Fit:
         half = _INTERVAL * float(np.sqrt(spread))
         return centre, centre - half, centre + half
 
+    def sensitivities(self, member: str) -> Array:
+        """Return the columns of the Jacobian that belong to an effect or a ``param.`` id."""
+        parameter = member.removeprefix("param.")
+        columns = [
+            i
+            for i, key in enumerate(self.shared)
+            if key == parameter or key.startswith(f"{member}:")
+        ]
+        return self.jacobian[:, columns]
+
     def evidence(self, effective: float) -> float:
         """Return the Bayesian information criterion: lower is better, 10 is decisive."""
         return (

@@ -9,7 +9,6 @@ from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 
 DECISIVE = 10.0
 """Drop of the information criterion that decides (Kass and Raftery 1995: very strong)."""
@@ -51,8 +50,6 @@ class Step:
         The member that had to go.
     evidence_drop : float, optional
         By how much the information criterion fell.
-    gain_over_chance : float, optional
-        Drop of the sum of squares over what noise alone would give.
     share : float, optional
         Share of what the baseline leaves unexplained.
     rms : mapping of str to float, optional
@@ -64,7 +61,6 @@ class Step:
     accepted: bool
     replaced: str = ""
     evidence_drop: float = 0.0
-    gain_over_chance: float = 0.0
     share: float = 0.0
     rms: Mapping[str, float] = field(default_factory=dict)
 
@@ -81,6 +77,17 @@ class Search:
         Prepared recordings.
     progress : callable, optional
         Told what is being fitted.
+
+    Attributes
+    ----------
+    fits : dict
+        Every hypothesis fitted so far.
+    accepted : list of str
+        What the recordings call for: effect ids, and ``param.`` ids of wrong parameters.
+    over_chance : dict
+        How much more each of them explains than the best candidate would of noise.
+    ledger : list of Step
+        What was tried, in order.
     """
 
     model: Model
@@ -89,6 +96,7 @@ class Search:
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
     accepted: list[str] = field(default_factory=list)
     ledger: list[Step] = field(default_factory=list)
+    over_chance: dict[str, float] = field(default_factory=dict)
 
     @property
     def baseline(self) -> Fit:
@@ -125,25 +133,33 @@ class Search:
         return self.fits[hypothesis]
 
     def run(self) -> None:
-        """Add the best candidate until none earns its place."""
+        """Add the best candidate until none earns its place, then drop what chance explains.
+
+        Chance is judged last, by what the final model leaves: while a second effect is still in
+        the residual, it would pass for noise and shield the first.
+        """
         while len(self.accepted) < MOST_EFFECTS and self._unexplained(self.chosen) > 0.0:
             best = self._best_addition()
             if best is None:
                 break
             self.accepted.append(best)
             self._revise()
+        while self.accepted:
+            over_chance = {member: self._gain_over_chance(member) for member in self.accepted}
+            weakest = min(over_chance, key=lambda member: over_chance[member])
+            if over_chance[weakest] > 1.0:
+                self.over_chance = over_chance
+                break
+            self.accepted.remove(weakest)
+            self.ledger.append(Step(tuple(self.accepted), "", True, weakest))
 
     def rivals(self, member: str) -> list[Rival]:
         """Return what could stand in for an accepted member, most probable first.
 
         The member itself and its absence (``""``) are among them.
         """
-        rest = self._with([m for m in self.accepted if m != member])
-        others = {
-            name: self.fitted(rest.adding(name), self.fitted(rest))
-            for name in self._compatible([m for m in self.accepted if m != member])
-        }
-        others[""] = self.fitted(rest)
+        rest, others = self._in_place_of(member)
+        others[""] = rest
         effective = min(others.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in others.items()}
         lowest = min(evidence.values())
@@ -152,16 +168,21 @@ class Search:
         found = [Rival(name, min(weight[name] / total, SUREST), evidence[name]) for name in others]
         return sorted(found, key=lambda rival: rival.evidence)
 
-    def signature(self, found: Fit, member: str) -> Array:
-        """Return what a member does to the judged channel in a fit, usable samples end to end."""
-        parts = []
-        for case, own in zip(self.cases, found.own, strict=True):
-            values = {**found.shared, **own}
-            effect = next(e for e in self.model.effects if e.id == member)
-            without = {**values, **effect.neutral}
-            difference = self.model.predict(case, values) - self.model.predict(case, without)
-            parts.append(difference[case.usable])
-        return np.concatenate(parts)
+    def _in_place_of(self, member: str) -> tuple[Fit, dict[str, Fit]]:
+        """Return the fit without a member, and with each candidate in its place."""
+        kept = [m for m in self.accepted if m != member]
+        rest = self.fitted(self._with(kept))
+        return rest, {
+            name: self.fitted(rest.hypothesis.adding(name), rest) for name in self._compatible(kept)
+        }
+
+    def _gain_over_chance(self, member: str) -> float:
+        """Return how much more a member explains than the best candidate would of noise."""
+        rest, others = self._in_place_of(member)
+        gain = rest.samples * (rest.rms**2 - self.chosen.rms**2)
+        directions = [found.sensitivities(name) for name, found in others.items()]
+        chance = chance_gain(rest.jacobian, directions, self.chosen.residuals)
+        return gain / chance if chance > 0.0 else float("inf")
 
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
@@ -213,20 +234,15 @@ class Search:
         name = next(n for n in self.candidates if n in tried and evidence[n] < lowest + TIED)
         drop = current.evidence(effective) - evidence[name]
         gain = current.samples * (current.rms**2 - tried[name].rms ** 2)
-        effects = [n for n in tried if not n.startswith("param.")]
-        chance = chance_gain(
-            current, [self.signature(tried[n], n) for n in effects], closest.residuals
-        ) * (tried[name].unknowns - current.unknowns or 1)
         share = gain / max(self._unexplained(self.baseline), 1e-300)
         matters = share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)
-        earned = drop > DECISIVE and gain > chance and matters
+        earned = drop > DECISIVE and matters
         self.ledger.append(
             Step(
                 current.hypothesis.members,
                 name,
                 earned,
                 evidence_drop=drop,
-                gain_over_chance=gain / chance if chance else float("inf"),
                 share=share,
                 rms={n: f.rms for n, f in tried.items()},
             )

@@ -54,6 +54,7 @@ def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         "figures": diagnosis_figures(diagnosis, answer),
         "recordings": [case.recording for case in diagnosis.cases],
         "ledger": diagnosis.search.ledger,
+        "over_chance": diagnosis.search.over_chance,
         "remark": remark,
     }
 
