@@ -86,6 +86,9 @@ Examples:
     show_default=True,
     help="Folder for the answer.",
 )
+@click.option(
+    "--seed", type=int, default=0, show_default=True, help="Seed of the noise chance is judged by."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json and nothing else.")
 def command(
     recordings: tuple[str, ...],
@@ -94,6 +97,7 @@ def command(
     window: tuple[float, float] | None,
     validate_window: tuple[float, float] | None,
     out: Path,
+    seed: int,
     as_json: bool,
 ) -> None:
     """Say where and why the simulation of a rig differs from recordings of it.
@@ -107,7 +111,7 @@ def command(
         step("reading the recordings")
         used = [_read(path, rig, window) for path in recordings]
         held_back = [_read(path, rig, validate_window) for path in validate]
-        found = diagnose(used, held_back, rig, step)
+        found = diagnose(used, held_back, rig, step, seed)
         step("writing the report")
         answer = write_answer(found, out)
     if as_json:

@@ -76,7 +76,8 @@ class Diagnosis:
             return True
         if chosen.effective > COLOURED * chosen.samples:
             return False
-        return strongest_dependence(model, cases, chosen.residuals).beyond_chance
+        seed = self.search.seed
+        return strongest_dependence(model, cases, chosen.residuals, seed).beyond_chance
 
     @property
     def cases(self) -> list[Case]:
@@ -89,6 +90,7 @@ def diagnose(
     validate: Sequence[Recording] = (),
     rig: str | Path | Rig | None = None,
     progress: Callable[[str], None] = lambda step: None,
+    seed: int = 0,
 ) -> Diagnosis:
     """Compare recordings of one rig with its baseline and say what the baseline lacks.
 
@@ -102,6 +104,8 @@ def diagnose(
         The rig, where it is not the one the recordings name; also a repaired ``model.toml``.
     progress : callable, optional
         Told in words what is running.
+    seed : int, optional
+        Seed of the noise that chance is judged by.
 
     Returns
     -------
@@ -124,7 +128,7 @@ def diagnose(
         [_prepare(model, recording, chosen_rig) for recording in group]
         for group in (recordings, validate)
     )
-    search = Search(model, cases, progress)
+    search = Search(model, cases, progress, seed)
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):

@@ -154,7 +154,7 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
 
 def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
     search = diagnosis.search
-    found = strongest_dependence(search.model, search.cases, search.chosen.residuals)
+    found = strongest_dependence(search.model, search.cases, search.chosen.residuals, search.seed)
     shape = (
         f"depends on {found.name}, which accounts for {found.share:.0%} of it"
         if found.beyond_chance

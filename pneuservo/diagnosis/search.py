@@ -77,6 +77,8 @@ class Search:
         Prepared recordings.
     progress : callable, optional
         Told what is being fitted.
+    seed : int, optional
+        Seed of the noise that chance is judged by.
 
     Attributes
     ----------
@@ -93,6 +95,7 @@ class Search:
     model: Model
     cases: Sequence[Case]
     progress: Callable[[str], None] = lambda step: None
+    seed: int = 0
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
     accepted: list[str] = field(default_factory=list)
     ledger: list[Step] = field(default_factory=list)
@@ -181,7 +184,7 @@ class Search:
         rest, others = self._in_place_of(member)
         gain = rest.samples * (rest.rms**2 - self.chosen.rms**2)
         directions = [found.sensitivities(name) for name, found in others.items()]
-        chance = chance_gain(rest.jacobian, directions, self.chosen.residuals)
+        chance = chance_gain(rest.jacobian, directions, self.chosen.residuals, self.seed)
         return gain / chance if chance > 0.0 else float("inf")
 
     def _revise(self) -> None:
