@@ -164,7 +164,7 @@ def fit(
         effective = sum(effective_samples(r) for r in residuals)
         size = sum(len(r) for r in residuals)
         rms = float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
-        best.scale = max(rms, 1e-300) * float(np.sqrt(size / effective))
+        best.scale = max(rms, best.resolution) * float(np.sqrt(size / effective))
         vector = _solve(best, vector, hypothesis)
     return _summary(hypothesis, best, vector, fixed)
 
@@ -233,7 +233,7 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         tuple({k: v[k] for k in own} for v, own in zip(values, keys, strict=True)),
         own_intervals,
         tuple(residuals),
-        float(np.sqrt(np.mean(everything**2))),
+        max(float(np.sqrt(np.mean(everything**2))), problem.resolution),
         len(everything),
         float(sum(effective_samples(r) for r in residuals)),
         len(problem.unknowns),

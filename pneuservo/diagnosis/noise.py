@@ -44,7 +44,23 @@ def noise_floor(samples: Array, time: Array) -> float:
     frequency, density = welch(samples, rate, nperseg=length, detrend="linear", window="blackman")
     bands = np.array_split(density[(frequency > 0.1 * rate) & (frequency < 0.49 * rate)], 8)
     quietest = min(float(np.mean(band)) for band in bands if len(band))
-    return float(np.sqrt(quietest * rate / 2.0))
+    return max(float(np.sqrt(quietest * rate / 2.0)), resolution(samples))
+
+
+def resolution(samples: Array) -> float:
+    """Return the difference below which two readings of a channel count as equal.
+
+    Parameters
+    ----------
+    samples : (n,) array
+        The channel; NaN are passed over [any unit].
+
+    Returns
+    -------
+    float
+        A billionth of the largest reading: no transducer resolves that [unit of samples].
+    """
+    return 1e-9 * float(np.nanmax(np.abs(samples), initial=0.0)) + 1e-15
 
 
 def effective_samples(residual: Array) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
 from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.noise import resolution
 
 
 @dataclass
@@ -50,6 +51,11 @@ class Problem:
         self.sigma = np.array([self.unknowns[i].sigma for i in tolerated], dtype=float)
         if self.begin is None:
             self.begin = self.start
+
+    @property
+    def resolution(self) -> float:
+        """Return the residual below which a fit is perfect [SI]."""
+        return max(resolution(case.measured) for case in self.cases)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -96,7 +102,7 @@ def _typical_size(unknown: Unknown) -> float:
     if unknown.sigma:
         return unknown.sigma
     span = unknown.high - unknown.low
-    return span / 100.0 if np.isfinite(span) else 1.0
+    return span / 100.0 if np.isfinite(span) and span > 0.0 else 1.0
 
 
 def problems_of(

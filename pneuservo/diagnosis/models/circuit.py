@@ -128,7 +128,7 @@ class CircuitModel(Model):
         """Return the state at the first sample."""
         good = case.measured[case.usable]
         span = 10.0 * max(float(np.ptp(good)), 1e-9)
-        slope = float(np.max(np.abs(np.diff(good)))) / case.inputs["interval"]
+        slope = max(float(np.max(np.abs(np.diff(good)))), 1e-9) / case.inputs["interval"]
         rate = float(np.gradient(good[:3])[0]) / case.inputs["interval"]
         return [
             Unknown("initial_output", float(good[0]), -span, span, unit="V"),
