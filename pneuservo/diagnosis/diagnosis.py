@@ -9,7 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, fit
-from pneuservo.diagnosis.locate import strongest_dependence
+from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.search import Search
 from pneuservo.errors import InputError
@@ -20,6 +20,8 @@ SUSPICIOUS_RATIO = 1.5
 """Residual over noise beyond which what is left may be more than noise ..."""
 OBVIOUS_RATIO = 6.0
 """... and beyond which it is; coloured noise reaches 4 times its own floor."""
+UNNAMED = 0.5
+"""Share of what is left that has to depend on one quantity before the named effects are doubted."""
 COLOURED = 0.2
 """A residual worth fewer than this share of its samples is coloured."""
 
@@ -67,17 +69,36 @@ class Diagnosis:
         them only a coloured residual counts that depends on something that was recorded: noise
         may be coloured too, but it does not know where the piston is.
         """
-        chosen, model, cases = self.search.chosen, self.search.model, self.search.cases
+        chosen, cases = self.search.chosen, self.search.cases
         ratio = chosen.rms / self.search.noise_rms
         if ratio < SUSPICIOUS_RATIO:
             return False
-        known = all(model.channel in case.recording.noise_rms for case in cases)
+        known = all(self.model.channel in case.recording.noise_rms for case in cases)
         if known or ratio > OBVIOUS_RATIO:
             return True
         if chosen.effective > COLOURED * chosen.samples:
             return False
-        seed = self.search.seed
-        return strongest_dependence(model, cases, chosen.residuals, seed).beyond_chance
+        return self.left_over.beyond_chance
+
+    @cached_property
+    def left_over(self) -> Dependence:
+        """Return what the residual of the chosen model depends on most."""
+        search = self.search
+        return strongest_dependence(
+            search.model, search.cases, search.chosen.residuals, search.seed
+        )
+
+    @cached_property
+    def unnamed_share(self) -> float:
+        """Return the share of the mismatch that depends on one recorded quantity and has no name.
+
+        Zero unless that quantity explains more than half of what the chosen model leaves.
+        """
+        if not self.structure_remains or not self.left_over.beyond_chance:
+            return 0.0
+        if self.left_over.share < UNNAMED:
+            return 0.0
+        return self.left_over.share * self.search.unexplained_share(self.search.chosen)
 
     @property
     def cases(self) -> list[Case]:

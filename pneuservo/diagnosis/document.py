@@ -5,11 +5,7 @@ from typing import Any
 import numpy as np
 
 from pneuservo.diagnosis.diagnosis import Diagnosis
-from pneuservo.diagnosis.locate import (
-    onset_in_words,
-    regime_in_words,
-    strongest_dependence,
-)
+from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
 from pneuservo.diagnosis.search import SMALLEST_SHARE, UNDECIDED, Search
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE
@@ -36,7 +32,9 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     verdict = diagnosis.verdict
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
     if verdict == "unexplained":
-        missing = [_unexplained(diagnosis)]
+        missing = [_unexplained(diagnosis, 1.0)]
+    elif diagnosis.unnamed_share and missing:
+        missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
     return {
         "schema": SCHEMA,
@@ -152,9 +150,22 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
     }
 
 
-def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
-    search = diagnosis.search
-    found = strongest_dependence(search.model, search.cases, search.chosen.residuals, search.seed)
+def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
+    """Lower the probability of effects that explain little beside what has no name.
+
+    Returns the probability that something without a name is at work.
+    """
+    unnamed = diagnosis.unnamed_share
+    doubts = []
+    for entry in missing:
+        share = max(diagnosis.search.share(entry["effect"]), 0.0)
+        doubts.append(unnamed / (share + unnamed))
+        entry["probability"] *= 1.0 - doubts[-1]
+    return max(doubts)
+
+
+def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
+    search, found = diagnosis.search, diagnosis.left_over
     shape = (
         f"depends on {found.name}, which accounts for {found.share:.0%} of it"
         if found.beyond_chance
@@ -166,7 +177,7 @@ def _unexplained(diagnosis: Diagnosis) -> dict[str, Any]:
         "statement": f"Nothing in the catalogue explains what is left; it {shape}.",
         "equation": "",
         "parameters": {},
-        "probability": 1.0,
+        "probability": probability,
         "class": ["unexplained"],
         "alternatives": [],
     }

@@ -148,10 +148,13 @@ class Search:
             self.accepted.append(best)
             self._revise()
         while self.accepted:
-            over_chance = {member: self._gain_over_chance(member) for member in self.accepted}
-            weakest = min(over_chance, key=lambda member: over_chance[member])
-            if over_chance[weakest] > 1.0:
-                self.over_chance = over_chance
+            self.over_chance = {
+                member: self._gain_over_chance(member)
+                for member in self.accepted
+                if not member.startswith("param.")
+            }
+            weakest = min(self.over_chance, key=self.over_chance.__getitem__, default="")
+            if not weakest or self.over_chance[weakest] > 1.0:
                 break
             self.accepted.remove(weakest)
             self.ledger.append(Step(tuple(self.accepted), "", True, weakest))
@@ -215,6 +218,15 @@ class Search:
             hypothesis = hypothesis.adding(member)
         return hypothesis
 
+    def unexplained_share(self, found: Fit) -> float:
+        """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""
+        return self._unexplained(found) / max(self._unexplained(self.baseline), 1e-300)
+
+    def share(self, member: str) -> float:
+        """Return the share of the mismatch that an accepted member explains beside the others."""
+        rest = self.fitted(self._with([m for m in self.accepted if m != member]))
+        return self.unexplained_share(rest) - self.unexplained_share(self.chosen)
+
     def _unexplained(self, found: Fit) -> float:
         """Return the sum of squares beyond noise."""
         noise = sum(
@@ -239,6 +251,9 @@ class Search:
         gain = current.samples * (current.rms**2 - tried[name].rms ** 2)
         share = gain / max(self._unexplained(self.baseline), 1e-300)
         matters = share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)
+        # A refit may already have moved a parameter far out of its tolerance: freeing it then
+        # explains nothing more, but says what is wrong.
+        matters = matters or name.startswith("param.")
         earned = drop > DECISIVE and matters
         self.ledger.append(
             Step(
