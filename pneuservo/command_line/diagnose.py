@@ -10,7 +10,9 @@ import tomli_w
 from analog_card.console import progress
 from analog_card.files import write_whole
 from analog_card.quantities import to_si
+from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
+from pneuservo.recordings.time_checks import FEWEST_SAMPLES
 
 
 class Window(click.ParamType):
@@ -152,4 +154,13 @@ def write_answer(found: Any, folder: Path) -> dict[str, Any]:
 
 def _read(path: str, rig: str | None, window: tuple[float, float] | None) -> Recording:
     recording = read_recording(path, rig)
-    return recording.slice(*window) if window else recording
+    if window is None:
+        return recording
+    cut = recording.slice(*window)
+    if len(cut) < FEWEST_SAMPLES:
+        first, last = recording.time[0], recording.time[-1]
+        raise InputError(
+            f"{path}: {len(cut)} samples lie in the window {window[0]:g}:{window[1]:g} s, at "
+            f"least {FEWEST_SAMPLES} are needed; the recording runs from {first:g} to {last:g} s"
+        )
+    return cut

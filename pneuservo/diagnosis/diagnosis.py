@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
-from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.search import SMALLEST_SHARE, Search
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
@@ -98,7 +98,8 @@ class Diagnosis:
             return 0.0
         if self.left_over.share < UNNAMED:
             return 0.0
-        return self.left_over.share * self.search.unexplained_share(self.search.chosen)
+        share = self.left_over.share * self.search.unexplained_share(self.search.chosen)
+        return share if share > SMALLEST_SHARE else 0.0
 
     @property
     def cases(self) -> list[Case]:

@@ -15,6 +15,8 @@ method notes: below 4 a claim is not to be made)."""
 SAME_DIRECTION = 0.95
 """Signatures with a larger cosine count as one."""
 
+_RUNAWAY = 1e12
+
 
 def not_visible(search: Search) -> list[dict[str, str]]:
     """Return the effects that could be present at full plausible size without showing.
@@ -105,7 +107,8 @@ def _difference(search: Search, found: Fit, changed: dict[str, Any]) -> Array:
             change = search.model.predict(case, {**values, **changed}) - search.model.predict(
                 case, values
             )
-        parts.append(np.nan_to_num(change[case.usable], posinf=0.0, neginf=0.0))
+        # An effect of absurd size may run away; its direction is all that is asked for.
+        parts.append(np.clip(np.nan_to_num(change[case.usable]), -_RUNAWAY, _RUNAWAY))
     return np.concatenate(parts)
 
 

@@ -1,10 +1,8 @@
 """The list of all effects."""
 
-import difflib
-
 from pneuservo.effects import chamber, circuit, friction, leakage, load, sensor
 from pneuservo.effects.effect import Effect
-from pneuservo.errors import InputError
+from pneuservo.naming import require_known
 
 CATALOGUE: dict[str, Effect] = {
     effect.id: effect
@@ -52,11 +50,5 @@ def effect_by_id(effect_id: str) -> Effect:
     InputError
         When there is none; the message names the nearest.
     """
-    if effect_id not in CATALOGUE:
-        close = difflib.get_close_matches(effect_id, CATALOGUE, 1)
-        hint = f". Did you mean {close[0]!r}?" if close else ""
-        raise InputError(
-            f"effect {effect_id!r} is not in the catalogue; there are: "
-            f"{', '.join(sorted(CATALOGUE))}{hint}"
-        )
+    require_known(effect_id, CATALOGUE, "effect")
     return CATALOGUE[effect_id]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from pneuservo.errors import InputError
-from pneuservo.recordings.naming import require_known
+from pneuservo.naming import require_known
 from pneuservo.recordings.paths import inside_folder
 from pneuservo.recordings.sidecar import Sidecar
 from pneuservo.recordings.units import parse_pressure, quantity

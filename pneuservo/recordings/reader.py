@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.errors import InputError
+from pneuservo.naming import nearest
 from pneuservo.recordings.channels import CHANNELS
 from pneuservo.recordings.conditions import read_card, read_conditions, read_controller, rig_of
 from pneuservo.recordings.csv_table import open_csv
 from pneuservo.recordings.hdf5_table import open_hdf5
 from pneuservo.recordings.matlab_table import open_matlab
-from pneuservo.recordings.naming import nearest
 from pneuservo.recordings.parquet_table import open_parquet
 from pneuservo.recordings.recording import Recording
 from pneuservo.recordings.sample_checks import check_samples, fill_short_gaps

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.errors import InputError
+from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
-from pneuservo.recordings.naming import require_known
 
 
 @dataclass(frozen=True)

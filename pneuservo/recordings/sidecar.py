@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from pneuservo.errors import InputError
+from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
-from pneuservo.recordings.naming import require_known
 from pneuservo.recordings.units import plain_number, quantity
 
 _TABLES = ("recording", "conditions", "controller", "table", "card", "time", "channels")

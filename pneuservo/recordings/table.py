@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.errors import InputError
-from pneuservo.recordings.naming import nearest
+from pneuservo.naming import nearest
 
 # A file of a few kilobytes can claim any number of samples; this many still fit into memory.
 MAX_SAMPLES = 50_000_000

@@ -8,7 +8,7 @@ from typing import Any
 from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import unit_factor
 from pneuservo.errors import InputError
-from pneuservo.recordings.naming import nearest
+from pneuservo.naming import nearest
 
 # What is offered in messages, by SI unit: the kind of quantity and how people write its units.
 _KINDS: dict[str, tuple[str, tuple[str, ...]]] = {

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from analog_card.files import write_whole
 from pneuservo.errors import InputError
+from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
 from pneuservo.recordings.conditions import CARD_UNITS, CONTROLLER_KINDS, CONTROLLER_UNITS
-from pneuservo.recordings.naming import require_known
 from pneuservo.recordings.recording import Recording
 from pneuservo.rigs import BUILT_IN_RIGS, load_rig
 

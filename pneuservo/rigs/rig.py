@@ -1,9 +1,8 @@
 """A rig: which chain of blocks it is, and the numbers in them."""
 
-import difflib
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
+from pneuservo.naming import nearest, require_known
 
 BUILT_IN_RIGS = (
     "single-axis",
@@ -117,7 +117,7 @@ class Rig:
         """
         parameters = dict(self.parameters)
         for key, value in values.items():
-            _require_known(key, parameters, f"rig {self.name}")
+            require_known(key, parameters, f"rig {self.name}")
             parameters[key] = replace(parameters[key], value=value)
         return replace(self, parameters=parameters)
 
@@ -141,7 +141,7 @@ class Rig:
         """
         known = self.conditions
         for key in conditions:
-            _require_known(key, known, "conditions")
+            require_known(key, known, "conditions")
         return self.with_values(
             {
                 known[key]: value
@@ -183,7 +183,7 @@ def load_rig(name_or_path: str | Path) -> Rig:
     if path.suffix != ".toml":
         raise InputError(
             f"rig {name!r} is not known; there are: {', '.join(BUILT_IN_RIGS)}, "
-            "or give the path of a rig file ending in .toml" + _nearest(name, BUILT_IN_RIGS)
+            "or give the path of a rig file ending in .toml" + nearest(name, BUILT_IN_RIGS)
         )
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -211,25 +211,22 @@ def _built_in(name: str) -> Rig:
 def _merge(data: dict[str, Any], path: Path) -> Rig:
     # `diagnosis` is what a repaired model says of how it came about; it changes nothing.
     for key in data:
-        _require_known(key, ("rig", "parameters", "effects", "diagnosis"), str(path))
+        require_known(key, ("rig", "parameters", "effects", "diagnosis"), str(path))
     head = _table(data, "rig", path)
     kind = head.get("kind")
     if kind not in BUILT_IN_RIGS:
         raise InputError(
             f"{path}: [rig] kind is {kind!r}; allowed are: {', '.join(BUILT_IN_RIGS)}"
-            + _nearest(str(kind), BUILT_IN_RIGS)
+            + nearest(str(kind), BUILT_IN_RIGS)
         )
     for key in head:
-        _require_known(key, ("kind", "title", "valve"), f"{path} [rig]")
+        require_known(key, ("kind", "title", "valve"), f"{path} [rig]")
     base = _built_in(kind)
     parameters = dict(base.parameters)
     for key, entry in _table(data, "parameters", path).items():
-        _require_known(key, parameters, f"{path} [parameters]")
+        require_known(key, parameters, f"{path} [parameters]")
         parameters[key] = _parameter(entry, parameters[key].unit, f"{path} {key}", parameters[key])
-    effects = {
-        key: _effect(entry, f"{path} [effects] {key}")
-        for key, entry in _table(data, "effects", path).items()
-    }
+    effects = _effects(_table(data, "effects", path), kind, f"{path} [effects]")
     title, valve = head.get("title", base.title), head.get("valve", base.valve)
     return Rig(str(path), kind, str(title), parameters, effects, str(valve))
 
@@ -246,7 +243,7 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
         entry = {"value": entry}
     fields = ("value", "unit", "tolerance", "free", "source", "nominal", "low", "high")
     for key in entry:
-        _require_known(key, fields, what)
+        require_known(key, fields, what)
     base = base or Parameter(float("nan"), unit)
     if entry.get("unit", unit) != unit:
         raise InputError(f"{what}: the unit is {entry['unit']!r}, it has to be {unit!r}")
@@ -273,26 +270,31 @@ def _tolerance(tolerance: Any, value: float, unit: str, what: str) -> float:
     return abs(to_si(tolerance, "", what) * value)
 
 
-def _effect(entry: Any, what: str) -> dict[str, float]:
+def _effects(table: dict[str, Any], kind: str, where: str) -> dict[str, dict[str, float]]:
+    """Return the effects of a rig file, each one the catalogue has for this kind of rig."""
+    if not table:
+        return {}
+    # The catalogue brings the compiler along: not before it is needed.
+    from pneuservo.effects import effects_of
+
+    known = {effect.id: [p.name for p in effect.parameters] for effect in effects_of(kind)}
+    effects = {}
+    for key, entry in table.items():
+        require_known(key, known, f"{where} of a rig of kind {kind}")
+        effects[key] = _effect(entry, known[key], f"{where} {key}")
+    return effects
+
+
+def _effect(entry: Any, known: Sequence[str], what: str) -> dict[str, float]:
     if not isinstance(entry, dict):
         raise InputError(f"{what}: has to be a table of parameter values")
     values: dict[str, float] = {}
     for key, value in entry.items():
+        require_known(key, known, what)
         number = value.get("value") if isinstance(value, dict) else value
-        if isinstance(number, bool) or not isinstance(number, int | float):
+        if not isinstance(number, int | float) or isinstance(number, bool):
             raise InputError(f"{what} {key}: {number!r} is not a number in SI")
+        if not math.isfinite(number):
+            raise InputError(f"{what} {key}: {number!r} is not a finite number")
         values[key] = float(number)
     return values
-
-
-def _require_known(key: str, known: Any, where: str) -> None:
-    if key not in known:
-        raise InputError(
-            f"{where}: {key!r} is not known; there are: {', '.join(sorted(known))}"
-            + _nearest(key, known)
-        )
-
-
-def _nearest(key: str, known: Any) -> str:
-    close = difflib.get_close_matches(key, list(known), 1)
-    return f". Did you mean {close[0]!r}?" if close else ""

@@ -93,7 +93,8 @@ def test_three_files_are_written(answered):
     # The example leaks, and its wall gives heat back.
     assert any(effect.startswith("leakage.") for effect in effects)
     model = tomllib.loads((folder / "model.toml").read_text())
-    assert set(model["effects"]) == set(effects)
+    # What has no name cannot be repaired.
+    assert set(model["effects"]) == set(effects) - {"unexplained"}
     page = (folder / "report.html").read_text()
     assert page.lstrip().lower().startswith("<!doctype html>")
     assert "<svg" in page
@@ -211,7 +212,6 @@ def test_unusable_input_is_refused(run, recordings, tmp_path, arguments, words):
     assert not (tmp_path / "answer").exists()
 
 
-@pytest.mark.xfail(strict=True, reason="a handful of samples is fitted, or ends in a traceback")
 @pytest.mark.parametrize("window", ["1:1.3", "1:2.45"])
 def test_too_few_samples_are_refused(run, recordings, tmp_path, window):
     done = run(recordings["leak1"], "--window", window, "--out", "answer")
@@ -231,7 +231,6 @@ def test_a_file_in_the_way_is_refused(run, recordings, tmp_path, out):
     assert (tmp_path / "taken").read_text() == "mine"
 
 
-IGNORED = pytest.mark.xfail(strict=True, reason="effects of a rig file are not checked")
 BROKEN = {
     "not TOML": ("[rig\nkind = ", ["model.toml", "not valid TOML"]),
     "no kind": ("[parameters]\n", ["model.toml", "kind"]),
@@ -274,20 +273,9 @@ BROKEN = {
 }
 
 
-UNCHECKED = (
-    "effect misspelt",
-    "effect parameter misspelt",
-    "effect of another rig",
-    "effect not a number",
-)
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
-    [
-        pytest.param(*broken, id=name, marks=[IGNORED] if name in UNCHECKED else [])
-        for name, broken in BROKEN.items()
-    ],
+    [pytest.param(*broken, id=name) for name, broken in BROKEN.items()],
 )
 def test_a_broken_model_is_refused(run, recordings, tmp_path, text, words):
     (tmp_path / "model.toml").write_text(text, encoding="utf-8")

@@ -57,14 +57,21 @@ def test_a_file_states_only_what_differs(tmp_path):
         tmp_path,
         '[rig]\nkind = "single-axis"\ntitle = "heavy"\n'
         '[parameters]\n"load.mass" = "6.82 kg"\n'
-        '"piston.stroke" = { value = "50 mm", tolerance = "0.1 mm" }\n'
-        '[effects."friction.pressure"]\nslope = { value = 1e-6, unit = "m**2" }\n',
+        '"piston.stroke" = { value = "50 mm", tolerance = "0.1 mm" }\n',
     )
     rig = load_rig(path)
     assert (rig.title, rig["load.mass"], rig["piston.stroke"]) == ("heavy", 6.82, 0.05)
     assert rig.parameters["piston.stroke"].tolerance == pytest.approx(1e-4)
     assert rig["supply.pressure"] == load_rig("single-axis")["supply.pressure"]
-    assert rig.effect_values == {"friction.pressure:slope": 1e-6}
+
+
+def test_a_file_may_hold_effects(tmp_path):
+    path = write(
+        tmp_path,
+        '[rig]\nkind = "seal-tester"\n'
+        '[effects."friction.pressure"]\nslope = { value = 1e-6, unit = "m**2" }\n',
+    )
+    assert load_rig(path).effect_values == {"friction.pressure:slope": 1e-6}
 
 
 @pytest.mark.parametrize(
@@ -75,7 +82,10 @@ def test_a_file_states_only_what_differs(tmp_path):
         ('[rig]\nkind = "single-axis"\n[parameters]\n"load.mass" = "6 bar"', "a mass is needed"),
         ('[rig]\nkind = "single-axis"\n[parametres]\n', "Did you mean 'parameters'"),
         ('[rig]\nkind = "single-axis"\n[parameters]\n"load.mass" = {wert = 1}', "'wert'"),
-        ('[rig]\nkind = "circuit"\n[effects]\nx = 3', "table of parameter values"),
+        (
+            '[rig]\nkind = "circuit"\n[effects]\n"circuit.cubic-stiffness" = 3',
+            "table of parameter values",
+        ),
         ("[rig\n", "not valid TOML"),
         ("a = " + "[" * 5000, "not valid TOML"),
     ],

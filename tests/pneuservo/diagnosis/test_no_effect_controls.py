@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 from pneuservo.diagnosis import diagnose, document
 
 SEEDS = range(20)
-# At most one false alarm in twenty. Of 60 seeds each, none was one.
+# At most one false alarm in twenty. Of 60 other seeds of each kind one was one, in all of them.
 FALSE_ALARMS = 1
 
 
@@ -56,22 +56,39 @@ CHANNEL_NOISE = {
 
 
 @pytest.mark.parametrize("make", CHANNEL_NOISE, ids=lambda make: make.__name__)
-@pytest.mark.parametrize("coefficient", [0.0, 0.5], ids=["white", "coloured"])
-def test_no_effect_no_alarm(make, coefficient):
-    answers = [diagnose(make(seed, coefficient)).verdict for seed in SEEDS]
+def test_no_effect_no_alarm(make):
+    answers = [diagnose(make(seed, 0.0)).verdict for seed in SEEDS]
     alarms = [answer for answer in answers if answer != "consistent"]
     assert len(alarms) <= FALSE_ALARMS, alarms
 
 
-# Not the seal tester: its displacement tells the moment of a sharp reversal to no better than a
-# sample, which leaves more than this noise behind.
-@pytest.mark.parametrize("make", [circuit, dead_volume], ids=lambda make: make.__name__)
-def test_strongly_coloured_noise_is_no_alarm_where_its_size_is_stated(make):
-    for seed in SEEDS[:3]:
+@pytest.mark.parametrize("make", CHANNEL_NOISE, ids=lambda make: make.__name__)
+def test_coloured_noise_is_no_alarm(make):
+    answers = [diagnose(make(seed, 0.5)).verdict for seed in SEEDS[:10]]
+    assert answers == ["consistent"] * len(answers)
+
+
+SHARP = pytest.mark.xfail(
+    strict=True,
+    reason="the displacement tells the moment of a sharp reversal to no better than a sample",
+)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [circuit, dead_volume, pytest.param(seal_tester, marks=SHARP)],
+    ids=lambda make: make.__name__,
+)
+@pytest.mark.parametrize("coefficient", [0.0, 0.8], ids=["white", "strongly coloured"])
+def test_noise_is_no_alarm_where_its_size_is_stated(make, coefficient):
+    answers = []
+    for seed in SEEDS[:4]:
         stated = [
-            replace(recording, noise_rms=CHANNEL_NOISE[make]) for recording in make(seed, 0.8)
+            replace(recording, noise_rms=CHANNEL_NOISE[make])
+            for recording in make(seed, coefficient)
         ]
-        assert diagnose(stated).verdict == "consistent"
+        answers.append(diagnose(stated).verdict)
+    assert answers == ["consistent"] * len(answers)
 
 
 @pytest.mark.parametrize("make", CHANNEL_NOISE, ids=lambda make: make.__name__)

@@ -39,7 +39,7 @@ def test_one_effect(effect, law, parameter, value, seed):
         assert_recovered(measured, value)
     (channel,) = found["fit"]["channels"].values()
     assert channel["before"]["used"] > 3.0 * truth.NOISE
-    # Two percent for the spread of 2000 samples' rms, the rest for the onset of the drive, which
+    # Two percent for the spread of 1600 samples' rms, the rest for the onset of the drive, which
     # is band-limited but for the moment at which it begins.
     assert channel["after"]["used"] < 1.1 * truth.NOISE
 

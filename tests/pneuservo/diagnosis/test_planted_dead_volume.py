@@ -47,8 +47,7 @@ def test_one_leak(effect, leak, values, seed):
     assert [place["block"] for place in found["located"]] == ["dead-volume"]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("released", [5.0, 12.3])
+@pytest.mark.parametrize(("released", "seed"), [(5.0, 1), (12.3, 2)])
 def test_when_a_held_volume_was_left_alone(released, seed):
     leak = truth.pores(4e-7, 1.3)
     found = answer(truth.recording(truth.pressure_history(leak, released=released), seed))
@@ -58,8 +57,7 @@ def test_when_a_held_volume_was_left_alone(released, seed):
     assert f"{released:.1f} s" in found["located"][0]["regime"]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("excess", [20.0, -15.0])
+@pytest.mark.parametrize(("excess", "seed"), [(20.0, 1), (-15.0, 2)])
 def test_heat(excess, seed):
     conductance = 0.03
     pressure = truth.pressure_history(excess=excess, wall_conductance=conductance)
@@ -71,8 +69,7 @@ def test_heat(excess, seed):
     assert_recovered(parameters["time_constant"], mass * truth.CV / conductance)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("rate", [20.0, -20.0])
+@pytest.mark.parametrize(("rate", "seed"), [(20.0, 1), (-20.0, 2)])
 def test_a_drift_is_in_the_class_that_is_named(rate, seed):
     pressure = truth.pressure_history()
     found = answer(truth.recording(pressure + rate * np.arange(len(pressure)) / truth.RATE, seed))
@@ -117,13 +114,23 @@ def test_a_leak_behind_the_valve(effect, leak, parameter, value, seed):
     assert_recovered(entry_of(found, effect)["parameters"][parameter], value)
 
 
+@pytest.mark.xfail(
+    strict=True, reason="the rate is that at the pressure before filling, where nothing leaks"
+)
+def test_the_rate_of_a_leak_behind_the_valve():
+    leak = truth.hole(2e-8)
+    found = answer(truth.filled_and_shut(1, leak))
+    rate = entry_of(found, "leakage.orifice")["parameters"].get("pressure_rate_at_first")
+    # None at all would be as good as a right one.
+    assert rate is None or rate["high"] < 0.0
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_valve_without_a_leak_is_consistent(seed):
     assert answer(truth.filled_and_shut(seed))["verdict"] == "consistent"
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("stated", [30e-6, 70e-6])
+@pytest.mark.parametrize(("stated", "seed"), [(30e-6, 1), (70e-6, 2)])
 def test_a_wrong_volume_is_a_wrong_parameter(stated, seed):
     recording = replace(truth.filled_and_shut(seed), conditions={"dead_volume_volume": stated})
     found = answer(recording)

@@ -1,6 +1,7 @@
 """Seal testers with something planted in them: is it found, named and measured?"""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,6 +56,21 @@ def test_one_effect(effect, planted, values, seed):
     assert named(found) == {effect}
     for parameter, value in values.items():
         assert_recovered(entry_of(found, effect)["parameters"][parameter], value)
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="jumps of the force count as noise, so that a small effect is not looked for",
+)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_small_effect_shows_whether_the_noise_is_stated_or_not(seed):
+    # 0.08 N rms beside 0.05 N of noise, at 3000 samples.
+    made = truth.recordings(
+        seed, truth.drive(), level=lambda position, speed, gauge, time: 6.0 + 5e-7 * gauge
+    )
+    stated = [replace(recording, noise_rms={"force": truth.FORCE_NOISE}) for recording in made]
+    assert named(document(diagnose(stated))) == {"friction.pressure"}
+    assert named(document(diagnose(made))) == {"friction.pressure"}
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -164,8 +180,7 @@ def test_inseparable_effects_are_named_together(effect, extra, parameter, value,
     assert_recovered(found["corrected_parameters"][parameter], value)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("factor", [0.97, 1.03])
+@pytest.mark.parametrize(("factor", "seed"), [(0.97, 1), (1.03, 2)])
 def test_a_wrong_diameter_is_a_wrong_parameter(factor, seed):
     found = answer(
         seed,

@@ -11,14 +11,14 @@ import numpy as np
 
 from pneuservo.recordings import Recording
 
-RATE, SAMPLES = 600.0, 2000
+RATE, SAMPLES = 600.0, 1600
 TIME = np.arange(SAMPLES) / RATE
 FREQUENCY, DAMPING, GAIN = 40.0, 0.08, 0.9
 OMEGA = 2.0 * np.pi * FREQUENCY
 NOISE = 2e-3
 # From 2 to 120 Hz: the package's interpolation of the input passes this band unchanged, and the
 # top of the band is left to the noise.
-LINES = np.arange(7, 401, 7) * RATE / SAMPLES
+LINES = np.arange(5, 321, 5) * RATE / SAMPLES
 DRIVE_RMS = 0.1
 STEPS = 8
 SEEDS = (1, 2)
