@@ -49,6 +49,7 @@ def require_known(name: str, known: Collection[str], where: str) -> None:
         When the name is not known; the message lists the known ones and the nearest.
     """
     if name not in known:
+        there_are = ", ".join(known) or "none"
         raise InputError(
-            f"{where}: {name!r} is not known; there are: {', '.join(known)}{nearest(name, known)}"
+            f"{where}: {name!r} is not known; there are: {there_are}{nearest(name, known)}"
         )

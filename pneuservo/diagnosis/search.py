@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.noise import noise_floor, resolution
 
 DECISIVE = 10.0
 """Drop of the information criterion that decides (Kass and Raftery 1995: very strong)."""
@@ -111,10 +113,27 @@ class Search:
         """Return the fit with everything accepted."""
         return self.fitted(self._with(self.accepted))
 
+    @cached_property
+    def noise(self) -> list[float]:
+        """Return the noise of the judged channel in each recording [SI].
+
+        Where it was not stated it is the floor of the channel or of what the baseline leaves,
+        whichever is lower: what the baseline explains, a jump for example, is no noise.
+        """
+        channel = self.model.channel
+        return [
+            case.recording.noise_rms.get(channel)
+            or max(
+                min(case.noise_rms, noise_floor(residual, case.recording.time[case.usable])),
+                resolution(case.measured),
+            )
+            for case, residual in zip(self.cases, self.baseline.residuals, strict=True)
+        ]
+
     @property
     def noise_rms(self) -> float:
         """Return the noise of all recordings together [SI]."""
-        return float(np.sqrt(np.mean([case.noise_rms**2 for case in self.cases])))
+        return float(np.sqrt(np.mean(np.square(self.noise))))
 
     @property
     def candidates(self) -> list[str]:
@@ -143,9 +162,12 @@ class Search:
         """
         while len(self.accepted) < MOST_EFFECTS and self._unexplained(self.chosen) > 0.0:
             best = self._best_addition()
-            if best is None:
+            if best is not None:
+                self.accepted.append(best)
+            elif not self.accepted and (pair := self._best_pair()):
+                self.accepted.extend(pair)
+            else:
                 break
-            self.accepted.append(best)
             self._revise()
         while self.accepted:
             self.over_chance = {
@@ -229,10 +251,31 @@ class Search:
 
     def _unexplained(self, found: Fit) -> float:
         """Return the sum of squares beyond noise."""
-        noise = sum(
-            len(r) * case.noise_rms**2 for r, case in zip(found.residuals, self.cases, strict=True)
-        )
+        noise = sum(len(r) * noise**2 for r, noise in zip(found.residuals, self.noise, strict=True))
         return max(0.0, found.samples * found.rms**2 - noise)
+
+    def _best_pair(self) -> tuple[str, str] | None:
+        """Return two candidates that are decisive together though neither is alone.
+
+        What the second explains may be so slow that the first, alone, leaves next to no
+        independent samples to be judged by.
+        """
+        alone = self.ledger[-1].candidate
+        first = self.fitted(self._with([alone]))
+        tried = {
+            name: self.fitted(first.hypothesis.adding(name), first)
+            for name in self._compatible([alone])
+        }
+        if not tried:
+            return None
+        name = min(tried, key=lambda candidate: tried[candidate].rms)
+        effective = tried[name].effective
+        drop = self.baseline.evidence(effective) - tried[name].evidence(effective)
+        share = 1.0 - self.unexplained_share(tried[name])
+        earned = drop > 2.0 * DECISIVE and share > LARGE_SHARE_OF_REST
+        rms = {f"{alone} + {n}": found.rms for n, found in tried.items()}
+        self.ledger.append(Step((alone,), name, earned, evidence_drop=drop, share=share, rms=rms))
+        return (alone, name) if earned else None
 
     def _best_addition(self) -> str | None:
         current = self.chosen

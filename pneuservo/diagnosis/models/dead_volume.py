@@ -119,7 +119,8 @@ class DeadVolumeModel(Model):
         self, case: Case, effect: str
     ) -> dict[str, tuple[str, Callable[[Values, Values], float]]]:
         """Return how fast a leak empties the volume at first, and when it began."""
-        if effect not in _LEAK_IDS:
+        # Behind a valve the pressure at first is that before filling: nothing leaks then.
+        if effect not in _LEAK_IDS or self._has_valve(case):
             return {}
 
         def fall(shared: Values, own: Values) -> float:

@@ -17,6 +17,8 @@ _GLITCH = 5
 """Samples of the median that removes single wrong readings of the displacement."""
 _SMOOTHING = 9
 """Samples of the quadratic smoothing of the displacement: shorter than any reversal."""
+_UNSURE = 1
+"""Samples on either side of a reversal that are not judged."""
 _GAP = 3.0
 """A step in time this many times the usual one is a gap."""
 
@@ -103,7 +105,8 @@ class SealTesterModel(Model):
             "middle": middle,
             "stroke_share": (displacement - middle) / half,
         }
-        return Case(recording, force, inputs, noise, rig, np.isfinite(force))
+        usable = np.isfinite(force) & ~_at_reversal(displacement)
+        return Case(recording, force, inputs, noise, rig, usable)
 
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return what the test itself decides, and what is known only within tolerances."""
@@ -182,6 +185,16 @@ class SealTesterModel(Model):
     def _direction(case: Case) -> Array:
         displacement = case.inputs["displacement"]
         return _last_nonzero_sign(np.diff(displacement, prepend=displacement[0]))
+
+
+def _at_reversal(displacement: Array) -> NDArray[np.bool_]:
+    """Return the samples beside a reversal, whose moment is known to no better than a sample."""
+    from scipy.ndimage import binary_dilation
+
+    direction = _last_nonzero_sign(np.diff(displacement, prepend=displacement[0]))
+    turned = np.diff(direction, prepend=direction[0]) != 0
+    beside: NDArray[np.bool_] = binary_dilation(turned, iterations=_UNSURE)
+    return beside
 
 
 def _last_nonzero_sign(step: Array) -> Array:

@@ -68,15 +68,9 @@ def test_coloured_noise_is_no_alarm(make):
     assert answers == ["consistent"] * len(answers)
 
 
-SHARP = pytest.mark.xfail(
-    strict=True,
-    reason="the displacement tells the moment of a sharp reversal to no better than a sample",
-)
-
-
 @pytest.mark.parametrize(
     "make",
-    [circuit, dead_volume, pytest.param(seal_tester, marks=SHARP)],
+    [circuit, dead_volume, seal_tester],
     ids=lambda make: make.__name__,
 )
 @pytest.mark.parametrize("coefficient", [0.0, 0.8], ids=["white", "strongly coloured"])

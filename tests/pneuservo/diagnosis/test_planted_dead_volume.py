@@ -114,9 +114,6 @@ def test_a_leak_behind_the_valve(effect, leak, parameter, value, seed):
     assert_recovered(entry_of(found, effect)["parameters"][parameter], value)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the rate is that at the pressure before filling, where nothing leaks"
-)
 def test_the_rate_of_a_leak_behind_the_valve():
     leak = truth.hole(2e-8)
     found = answer(truth.filled_and_shut(1, leak))

@@ -58,10 +58,6 @@ def test_one_effect(effect, planted, values, seed):
         assert_recovered(entry_of(found, effect)["parameters"][parameter], value)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="jumps of the force count as noise, so that a small effect is not looked for",
-)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_small_effect_shows_whether_the_noise_is_stated_or_not(seed):
     # 0.08 N rms beside 0.05 N of noise, at 3000 samples.
