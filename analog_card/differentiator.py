@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analog_card.design import Design, Soldered
+from analog_card.design import Design, DifferentiatorParts, OperationalAmplifier
 from analog_card.errors import InputError
 
 
@@ -124,7 +124,8 @@ def differentiator_pair(design: Design, finite_bandwidth: bool = True) -> Differ
         (Rs1 + Ro) i1 - Ro i2 = vx - vc1 - vf1 - va1
         -Ro i1 + (Rs2 + 2 Ro) i2 = va1 - vc2 - vf2 - va2
 
-    and then C vc' = i, Cf vf' = i - vf/R, va' = 2 pi GBW (offset - vf - vout - va/A0).
+    and then C vc' = i, Cf vf' = i - vf/R, va' = 2 pi GBW (offset - vf - vout - va/A0). A load of
+    R to ground at an output makes k va and k Ro of its va and Ro there, k = 1/(1 + Ro/R).
 
     Examples
     --------
@@ -133,7 +134,12 @@ def differentiator_pair(design: Design, finite_bandwidth: bool = True) -> Differ
     >>> abs(pair.response(np.array([10.0])).velocity).round(3)  # 2 pi 10 Hz x 12 ms
     array([0.754])
     """
-    rates, taps = (_real if finite_bandwidth else _ideal)(design.soldered)
+    parts = design.soldered
+    first, second = parts.velocity_differentiator, parts.acceleration_differentiator
+    if finite_bandwidth:
+        rates, taps = circuit_equations(first, second, parts.operational_amplifier)
+    else:
+        rates, taps = _ideal(first, second)
     states = len(rates)
     return DifferentiatorPair(
         state=rates[:, :states],
@@ -148,12 +154,13 @@ def differentiator_pair(design: Design, finite_bandwidth: bool = True) -> Differ
 # the three inputs, so that the equations of the circuit can be written down as they are.
 
 
-def _ideal(parts: Soldered) -> tuple[np.ndarray, np.ndarray]:
+def _ideal(
+    first: DifferentiatorParts, second: DifferentiatorParts
+) -> tuple[np.ndarray, np.ndarray]:
     """Return rates of the states and taps with ideal op-amps.
 
     Both inputs of an op-amp are then at its offset voltage and the output is vf below that.
     """
-    first, second = parts.velocity_differentiator, parts.acceleration_differentiator
     vc1, vf1, vc2, vf2, vx, offset1, offset2 = np.eye(7)
     v1, v2 = offset1 - vf1, offset2 - vf2
     i1 = (vx - vc1 - offset1) / first.series_resistance
@@ -167,18 +174,44 @@ def _ideal(parts: Soldered) -> tuple[np.ndarray, np.ndarray]:
     return np.array(rates), np.array([v1, v2])
 
 
-def _real(parts: Soldered) -> tuple[np.ndarray, np.ndarray]:
-    """Return rates of the states and taps with finite gain-bandwidth and output resistance."""
-    first, second = parts.velocity_differentiator, parts.acceleration_differentiator
-    amplifier = parts.operational_amplifier
+def circuit_equations(
+    first: DifferentiatorParts,
+    second: DifferentiatorParts,
+    amplifier: OperationalAmplifier,
+    loads: tuple[float, float] = (math.inf, math.inf),
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the circuit of both stages with real op-amps, as rows of factors.
+
+    Parameters
+    ----------
+    first, second : DifferentiatorParts
+        The two stages.
+    amplifier : OperationalAmplifier
+        Both op-amps.
+    loads : tuple of float, optional
+        What the taps feed beside the second stage, to ground [ohm].
+
+    Returns
+    -------
+    rates : ndarray, shape (6, 9)
+        Rates of vc1, vf1, va1, vc2, vf2, va2 by these and, behind them, the transducer voltage
+        and the two offset voltages; see `differentiator_pair`.
+    taps : ndarray, shape (2, 9)
+        Velocity and acceleration tap in the same terms.
+    """
     ro, gain = amplifier.output_resistance, amplifier.open_loop_gain
     speed = 2 * math.pi * amplifier.gain_bandwidth
     vc1, vf1, va1, vc2, vf2, va2, vx, offset1, offset2 = np.eye(9)
+    # Each output with its load: a source of k va behind k Ro.
+    k1, k2 = (1 / (1 + ro / load) for load in loads)
     i1, i2 = np.linalg.solve(
-        [[first.series_resistance + ro, -ro], [-ro, second.series_resistance + 2 * ro]],
-        [vx - vc1 - vf1 - va1, va1 - vc2 - vf2 - va2],
+        [
+            [first.series_resistance + k1 * ro, -k1 * ro],
+            [-k1 * ro, second.series_resistance + (k1 + k2) * ro],
+        ],
+        [vx - vc1 - vf1 - k1 * va1, k1 * va1 - vc2 - vf2 - k2 * va2],
     )
-    v1, v2 = va1 + ro * (i1 - i2), va2 + ro * i2
+    v1, v2 = k1 * (va1 + ro * (i1 - i2)), k2 * (va2 + ro * i2)
     rates = [
         i1 / first.capacitance,
         (i1 - vf1 / first.resistance) / first.feedback_capacitance,

@@ -24,7 +24,23 @@ _MOST_FILES = 200
 
 # Comments at the end of a line, in the three forms that ngspice knows.
 _COMMENT = re.compile(r";|\s\$(\s|$)|//")
-_ASSIGNMENT = re.compile(r"(\w+)\s*=\s*(\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[^\s={}'\"]+)")
+ASSIGNMENT = re.compile(r"(\w+)\s*=\s*(\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[^\s={}'\"]+)")
+
+_SUFFIXES = {
+    "t": 12,
+    "g": 9,
+    "meg": 6,
+    "k": 3,
+    "m": -3,
+    "u": -6,
+    "n": -9,
+    "p": -12,
+    "f": -15,
+    "": 0,
+}
+_NUMBER = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(meg|[tgkmunpf])?[a-z]*", re.IGNORECASE
+)
 
 
 @dataclass(frozen=True)
@@ -63,7 +79,7 @@ class Netlist:
         return {
             name.lower(): value
             for index in _parameter_lines(self.lines)
-            for name, value in _ASSIGNMENT.findall(self.lines[index].text)
+            for name, value in ASSIGNMENT.findall(self.lines[index].text)
         }
 
     def with_parameters(self, values: Mapping[str, float]) -> "Netlist":
@@ -86,6 +102,26 @@ class Netlist:
         for index in _parameter_lines(lines):
             lines[index] = _with_values(lines[index], wanted)
         return replace(self, lines=tuple(lines))
+
+    def with_saved(self, nodes: Sequence[str]) -> "Netlist":
+        """Return the netlist with only some nodes kept by the simulator.
+
+        Parameters
+        ----------
+        nodes : sequence of str
+            Names of nodes, or of branches as ``source#branch``.
+
+        Raises
+        ------
+        InputError
+            When something is not a name.
+        """
+        for node in nodes:
+            if not re.fullmatch(r"[\w.+#-]+", node):
+                raise InputError(f"{self.path}: {node!r} is not a name as in a netlist")
+        words = " ".join(node if "#" in node else f"v({node})" for node in nodes)
+        wanted = Line(f".save {words}", self.path, self.lines[-1].number)
+        return replace(self, lines=(*self.lines[:-1], wanted, self.lines[-1]))
 
 
 def read_netlist(path: str | Path) -> Netlist:
@@ -121,6 +157,33 @@ def read_netlist(path: str | Path) -> Netlist:
     for line in lines[1:]:
         _refuse_harm(line)
     return Netlist(path, tuple(lines))
+
+
+def spice_number(text: str) -> float:
+    """Return a number as SPICE writes it.
+
+    Parameters
+    ----------
+    text : str
+        A number, with one of the suffixes t, g, meg, k, m, u, n, p, f or without; letters
+        after that are a unit and are left alone, as in ``10kohm``.
+
+    Raises
+    ------
+    ValueError
+        When it is not a number.
+
+    Examples
+    --------
+    >>> spice_number("4.5meg"), spice_number("100nF"), spice_number("1M")
+    (4500000.0, 1e-07, 0.001)
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is not a number")
+    # Composed as text, so that 100n is 1e-7 to the last bit.
+    mantissa, _, exponent = match[1].lower().partition("e")
+    return float(f"{mantissa}e{int(exponent or 0) + _SUFFIXES[(match[2] or '').lower()]}")
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str:
@@ -243,14 +306,14 @@ def _parameter_lines(lines: Sequence[Line]) -> Iterator[int]:
 
 
 def _with_values(line: Line, wanted: Mapping[str, float]) -> Line:
-    found = {name.lower() for name, _ in _ASSIGNMENT.findall(line.text)}
+    found = {name.lower() for name, _ in ASSIGNMENT.findall(line.text)}
     if not found & wanted.keys():
         return line
-    if _ASSIGNMENT.sub("", line.text).split() != [line.text.split()[0]]:
+    if ASSIGNMENT.sub("", line.text).split() != [line.text.split()[0]]:
         line.refuse("cannot tell where a value ends", "put expressions in braces, as in a={2*b}")
     return replace(
         line,
-        text=_ASSIGNMENT.sub(
+        text=ASSIGNMENT.sub(
             lambda match: (
                 f"{match[1]}={float(wanted[match[1].lower()])!r}"
                 if match[1].lower() in wanted

@@ -1,145 +1,41 @@
 """Running a netlist in ngspice: the one place through which the project simulates circuits."""
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from analog_card.errors import InputError, SimulationError
-from analog_card.netlist_text import Netlist, nearest, read_netlist
-from analog_card.simulator import SIMULATOR
+from analog_card.analyses import (
+    Analysis,
+    FrequencySweep,
+    Noise,
+    OperatingPoint,
+    SourceSweep,
+    Transient,
+)
+from analog_card.errors import SimulationError
+from analog_card.netlist_elements import change_command, elements
+from analog_card.netlist_text import Netlist, read_netlist
+from analog_card.ngspice_words import with_places
+from analog_card.simulator import SIMULATOR, Simulator
+from analog_card.waveforms import Waveforms, noise_voltage
 
-
-@dataclass(frozen=True)
-class OperatingPoint:
-    """The state the circuit settles at, sources at their values at time 0."""
-
-    @property
-    def command(self) -> str:
-        """The analysis in ngspice's words."""
-        return "op"
-
-
-@dataclass(frozen=True)
-class FrequencySweep:
-    """Small-signal response at logarithmically spaced frequencies.
-
-    Attributes
-    ----------
-    start, stop : float
-        First and last frequency [Hz].
-    points_per_decade : int
-        How many frequencies in each decade.
-    """
-
-    start: float
-    stop: float
-    points_per_decade: int = 40
-
-    def __post_init__(self) -> None:
-        if not 0 < self.start < self.stop or self.points_per_decade < 1:
-            raise InputError(
-                f"frequency sweep from {self.start} to {self.stop} Hz with "
-                f"{self.points_per_decade} points a decade; 0 < start < stop and points are needed"
-            )
-
-    @property
-    def command(self) -> str:
-        """The analysis in ngspice's words."""
-        return f"ac dec {self.points_per_decade} {self.start!r} {self.stop!r}"
-
-
-@dataclass(frozen=True)
-class Transient:
-    """Response over time, from the operating point at time 0.
-
-    Attributes
-    ----------
-    stop : float
-        Last time [s].
-    longest_step : float
-        The solver's steps are never longer than this [s].
-    """
-
-    stop: float
-    longest_step: float
-
-    def __post_init__(self) -> None:
-        if not 0 < self.longest_step < self.stop:
-            raise InputError(
-                f"transient of {self.stop} s in steps of {self.longest_step} s; "
-                "0 < longest step < stop is needed"
-            )
-
-    @property
-    def command(self) -> str:
-        """The analysis in ngspice's words."""
-        return f"tran {self.longest_step!r} {self.stop!r} 0 {self.longest_step!r}"
-
-
-Analysis = OperatingPoint | FrequencySweep | Transient
-
-
-@dataclass(frozen=True)
-class Waveforms:
-    """What one analysis gave.
-
-    Attributes
-    ----------
-    netlist : Path
-        Where the circuit came from.
-    vectors : dict of str to ndarray
-        Node voltages by node name, branch currents as ``source#branch``, and the axis as
-        ``time`` [s] or ``frequency`` [Hz]; complex for a frequency sweep. Names are lower case.
-    warnings : tuple of str
-        What ngspice remarked without failing.
-    """
-
-    netlist: Path
-    vectors: dict[str, np.ndarray]
-    warnings: tuple[str, ...] = ()
-
-    def __getitem__(self, node: str) -> np.ndarray:
-        """Return the values at a node."""
-        try:
-            return self.vectors[node.lower()]
-        except KeyError:
-            raise InputError(
-                f"{self.netlist}: no node {node!r}{nearest(node.lower(), self.vectors)}"
-            ) from None
-
-    @property
-    def time(self) -> np.ndarray:
-        """The time points the solver chose [s]."""
-        return self["time"]
-
-    @property
-    def frequency(self) -> np.ndarray:
-        """The frequencies [Hz]."""
-        return self["frequency"].real
-
-    def at(self, times: np.ndarray, node: str) -> np.ndarray:
-        """Return the values at a node at given times.
-
-        The solver's own points differ from run to run; waveforms are only comparable on a
-        common grid.
-
-        Parameters
-        ----------
-        times : ndarray, shape (n,)
-            Increasing times within the run [s].
-        node : str
-            Node name.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Values interpolated between the solver's points.
-        """
-        return np.interp(times, self.time, self[node])
+__all__ = [
+    "Analysis",
+    "FrequencySweep",
+    "Noise",
+    "OperatingPoint",
+    "Session",
+    "SourceSweep",
+    "Transient",
+    "Waveforms",
+    "ngspice_version",
+    "noise_voltage",
+    "run",
+    "run_many",
+]
 
 
 def run(
@@ -147,6 +43,7 @@ def run(
     analysis: Analysis,
     parameters: Mapping[str, float] | None = None,
     time_limit: float = 600.0,
+    save: Sequence[str] = (),
 ) -> Waveforms:
     """Simulate a netlist.
 
@@ -154,17 +51,19 @@ def run(
     ----------
     netlist : str, Path or Netlist
         A netlist file, or one already read.
-    analysis : OperatingPoint, FrequencySweep or Transient
+    analysis : OperatingPoint, SourceSweep, FrequencySweep, Transient or Noise
         What to compute; analyses written in the netlist are left alone.
     parameters : mapping of str to float, optional
         Values for the netlist's ``.param`` names, in SPICE's base units.
     time_limit : float, optional
         Longest wait for the answer [s].
+    save : sequence of str, optional
+        Nodes to keep, which makes long transients faster; without it all.
 
     Returns
     -------
     Waveforms
-        Everything ngspice computed.
+        Everything ngspice computed, or the nodes to keep.
 
     Raises
     ------
@@ -181,20 +80,156 @@ def run(
     >>> abs(sweep["velocity"]).round(3)  # 2 pi f x 12 ms, until the filter bites
     array([ 0.754,  7.532, 67.826])
     """
-    source = netlist if isinstance(netlist, Netlist) else read_netlist(netlist)
-    if parameters:
-        source = source.with_parameters(parameters)
-    lines = [line.text for line in source.lines]
-    try:
-        header, found = SIMULATOR.ask(lines, analysis.command, time_limit)
-        vectors = {_node_name(name): values for name, values in found.items()}
-        if "failure" in header:
-            raise SimulationError(_in_its_own_words(source, header))
-        if isinstance(analysis, Transient):
-            _require_end(analysis, vectors["time"])
-    except SimulationError as problem:
-        raise SimulationError(f"{source.path}: {problem}") from problem
-    return Waveforms(source.path, vectors, tuple(header["words"]))
+    source = _prepared(netlist, parameters, save)
+    return _asked(SIMULATOR, source, analysis, time_limit, send=True, changes=[], keep=False)
+
+
+class Session:
+    """One circuit, loaded once and run many times with other values of its elements.
+
+    Has an ngspice process of its own; use it in a ``with`` statement.
+
+    Parameters
+    ----------
+    netlist : str, Path or Netlist
+        A netlist file, or one already read.
+    parameters : mapping of str to float, optional
+        Values for the netlist's ``.param`` names; they hold for the whole session.
+    save : sequence of str, optional
+        Nodes to keep; without it all.
+    time_limit : float, optional
+        Longest wait for each answer [s].
+
+    Raises
+    ------
+    InputError
+        As for `run`.
+
+    Notes
+    -----
+    Only values of elements and of their models change without reading the netlist again; a
+    parameter needs a new session, which costs as much as ngspice's own way to change one.
+
+    Examples
+    --------
+    >>> import netlists
+    >>> with Session(netlists.RC_LOW_PASS) as session:
+    ...     session.change({"rlowpass": 2e3})
+    ...     halved = session.run(FrequencySweep(1e3, 1e4, 1))
+    >>> abs(halved["out"][:1]).round(4)  # 1/sqrt(1 + 2^2): the corner is now at 500 Hz
+    array([0.4472])
+    """
+
+    def __init__(
+        self,
+        netlist: str | Path | Netlist,
+        parameters: Mapping[str, float] | None = None,
+        save: Sequence[str] = (),
+        time_limit: float = 600.0,
+    ) -> None:
+        self._netlist = _prepared(netlist, parameters, save)
+        self._elements = elements(self._netlist)
+        self._time_limit = time_limit
+        self._simulator = Simulator()
+        self._loaded = False
+        self._changes: dict[str, str] = {}
+        self._waiting: dict[str, str] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Names of the elements, as `change` takes them."""
+        return tuple(self._elements)
+
+    @property
+    def process_id(self) -> int | None:
+        """The process of the session, when there is one."""
+        return self._simulator.process_id
+
+    def change(self, values: Mapping[str, float]) -> None:
+        """Give elements other values, until they are changed again.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            New values by element, such as ``{"xone.xinverter.rinput": 22.1e3}``; a parameter of
+            an element's model in brackets, as in ``xone.xlimiter.dupper[bv]``. A voltage or
+            current source gets another DC value.
+
+        Raises
+        ------
+        InputError
+            When there is no such element.
+        """
+        self._waiting |= {
+            name.lower(): change_command(self._netlist, self._elements, name, value)
+            for name, value in values.items()
+        }
+
+    def run(self, analysis: Analysis) -> Waveforms:
+        """Run one analysis of the circuit as it now is.
+
+        Raises
+        ------
+        SimulationError
+            When ngspice failed. The session goes on; what was changed since the last run is
+            taken back.
+        """
+        changed = self._changes | self._waiting
+        changes = list((self._waiting if self._loaded else changed).values())
+        send, self._loaded, self._waiting = not self._loaded, False, {}
+        result = _asked(
+            self._simulator, self._netlist, analysis, self._time_limit, send, changes, keep=True
+        )
+        self._loaded, self._changes = True, changed
+        return result
+
+    def close(self) -> None:
+        """End the session's process."""
+        self._simulator.close()
+        self._loaded = False
+
+
+def run_many(
+    netlist: str | Path | Netlist,
+    analyses: Sequence[Analysis],
+    trials: Iterable[Mapping[str, float]],
+    parameters: Mapping[str, float] | None = None,
+    save: Sequence[str] = (),
+) -> Iterator[tuple[Waveforms, ...]]:
+    """Run the same analyses for many sets of element values, as a Monte Carlo study does.
+
+    Parameters
+    ----------
+    netlist : str, Path or Netlist
+        A netlist file, or one already read.
+    analyses : sequence of analyses
+        What to compute in each trial.
+    trials : iterable of mapping of str to float
+        Values of elements, as for `Session.change`. A value that a later trial does not name
+        stays as it is, so name the same elements in all.
+    parameters, save
+        As for `run`.
+
+    Yields
+    ------
+    tuple of Waveforms
+        For each trial the results of the analyses.
+
+    Raises
+    ------
+    InputError, SimulationError
+        As for `run`.
+    """
+    with Session(netlist, parameters, save) as session:
+        for values in trials:
+            session.change(values)
+            yield tuple(session.run(analysis) for analysis in analyses)
 
 
 def ngspice_version() -> int:
@@ -206,6 +241,41 @@ def ngspice_version() -> int:
         When it cannot be started.
     """
     return SIMULATOR.version()
+
+
+def _prepared(
+    netlist: str | Path | Netlist, parameters: Mapping[str, float] | None, save: Sequence[str]
+) -> Netlist:
+    source = netlist if isinstance(netlist, Netlist) else read_netlist(netlist)
+    if parameters:
+        source = source.with_parameters(parameters)
+    return source.with_saved(save) if save else source
+
+
+def _asked(
+    simulator: Simulator,
+    source: Netlist,
+    analysis: Analysis,
+    time_limit: float,
+    send: bool,
+    changes: list[str],
+    keep: bool,
+) -> Waveforms:
+    lines = [line.text for line in source.lines] if send else None
+    try:
+        header, found = simulator.ask(lines, analysis.command, time_limit, changes, keep)
+        vectors = {_node_name(name): values for name, values in found.items()}
+        if "failure" in header:
+            raise SimulationError(_in_its_own_words(source, header))
+        if isinstance(analysis, Transient):
+            _require_end(analysis, vectors["time"])
+    except SimulationError as problem:
+        raise SimulationError(f"{source.path}: {problem}") from problem
+    return Waveforms(source.path, vectors, tuple(header["words"]))
+
+
+def _in_its_own_words(source: Netlist, header: Mapping[str, Any]) -> str:
+    return with_places(source, header["words"]) if header["words"] else str(header["failure"])
 
 
 def _require_end(analysis: Transient, time: np.ndarray) -> None:
@@ -221,19 +291,3 @@ def _node_name(name: str) -> str:
     # ngspice writes node 1 as V(1) because a bare number would not be a name.
     match = re.fullmatch(r"v\((.*)\)", name, re.IGNORECASE)
     return (match[1] if match else name).lower()
-
-
-def _in_its_own_words(netlist: Netlist, header: Mapping[str, Any]) -> str:
-    """Return what ngspice said, with its line numbers turned into files and lines."""
-
-    def place(match: re.Match[str]) -> str:
-        index = int(match[1]) - 1
-        if not 0 <= index < len(netlist.lines):
-            return match[0]
-        line = netlist.lines[index]
-        return f"{line.file.name} line {line.number}"
-
-    words = " | ".join(header["words"]) or header["failure"]
-    said = re.sub(r"(?:netlist )?line(?: no\.)? (\d+)", place, words, flags=re.IGNORECASE)
-    node = re.search(r'(?:trouble with|check) node "?([\w.#]+)', said)
-    return f"node {node[1]}: {said}" if node else said

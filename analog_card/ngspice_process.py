@@ -3,7 +3,9 @@
 ngspice keeps its state in global variables, cannot be loaded twice, and after some mistakes in a
 netlist "awaits to be detached" or crashes. In a process of its own it can be replaced.
 
-A request is a line of JSON on standard input: ``{"lines": [...], "command": "tran ..."}``.
+A request is a line of JSON on standard input: ``{"lines": [...], "title": "run 1", "changes":
+["alter r1 = 2"], "command": "tran ...", "keep": false}``. A circuit that is kept serves requests
+without lines until one of them fails.
 A reply on standard output is a line of JSON; when it has ``names``, the values follow as bytes:
 ``points`` numbers of ``type`` for each name.
 """
@@ -12,7 +14,6 @@ import contextlib
 import json
 import logging
 import os
-import re
 import sys
 from collections.abc import Callable
 from typing import Any, BinaryIO
@@ -22,19 +23,7 @@ from PySpice.Spice.NgSpice.Shared import NgSpiceShared
 
 from analog_card.errors import SimulationError
 from analog_card.library import ngspice_library
-
-# How ngspice begins a line about something that failed. Notes, warnings and the steps of the
-# search for an operating point are not failures, nor is a node that has "error" in its name.
-_FAILURE = re.compile(
-    r"(error:|error on line|pterror|fatal\b|doanalyses:|.*simulation\(s\) aborted|undefined par"
-    r"|cannot compute|could not find|.*unknown subckt|.*awaits to be detached)",
-    re.IGNORECASE,
-)
-_CHATTER = re.compile(
-    r"note:|trying gmin|supplies reduced|using sparse|reference value"
-    r"|warning: .*(gmin|source step)",
-    re.IGNORECASE,
-)
+from analog_card.ngspice_words import is_chatter, is_failure
 
 
 class DetachedError(Exception):
@@ -64,8 +53,8 @@ class Instance(NgSpiceShared):
         (self._complained if stream == "stderr" else self._printed).append(line.strip())
         return 0
 
-    def analyse(self, lines: list[str], command: str) -> dict[str, np.ndarray]:
-        """Load a netlist, run one analysis and return all its vectors by name.
+    def analyse(self, request: dict[str, Any]) -> dict[str, np.ndarray]:
+        """Load a netlist if there is one, change values, run one analysis, return its vectors.
 
         What ngspice complained about, without its chatter, is in `words` afterwards.
 
@@ -78,17 +67,23 @@ class Instance(NgSpiceShared):
         """
         self._printed.clear()
         self._complained.clear()
+        keep = False
         try:
-            self._do(lambda: self.load_circuit("\n".join(lines)))
-            self._do(lambda: self.exec_command(command))
-            self._require_results_of(lines[0])
-            plot = self.plot(None, self.last_plot)
+            if "lines" in request:
+                self._do(lambda: self.load_circuit("\n".join(request["lines"])))
+            for change in request["changes"]:
+                self._do(lambda change=change: self.exec_command(change))  # type: ignore[misc]
+            self._do(lambda: self.exec_command(request["command"]))
+            self._require_results_of(request["title"])
+            self._require_solution()
+            plot = self.plot(None, self._results())
+            keep = request["keep"]
             return {name: np.asarray(vector.to_waveform()) for name, vector in plot.items()}
         finally:
-            failed = [line for line in self._printed if _FAILURE.match(line)]
-            told = [line for line in self._complained if line and not _CHATTER.match(line)]
+            failed = [line for line in self._printed if is_failure(line)]
+            told = [line for line in self._complained if line and not is_chatter(line)]
             self.words = list(dict.fromkeys([*told, *failed]))
-            self._forget()
+            self._forget("destroy all", *([] if keep else ["remcirc"]))
 
     def _do(self, step: Callable[[], Any]) -> None:
         try:
@@ -96,8 +91,23 @@ class Instance(NgSpiceShared):
         except NameError as problem:
             # A return code that is not zero: nothing works in this process from here on.
             raise DetachedError(str(problem)) from problem
-        if any(_FAILURE.match(line) for line in (*self._complained, *self._printed)):
+        if any(is_failure(line) for line in (*self._complained, *self._printed)):
             raise SimulationError("ngspice reports a failure")
+
+    def _require_solution(self) -> None:
+        # With contradictory sources ngspice's last resort, a run of the circuit in time, still
+        # "finishes successfully", at values that mean nothing.
+        said = " ".join(self._complained).lower()
+        if "singular matrix" in said and "transient op finished" in said:
+            raise SimulationError("ngspice found no operating point")
+
+    def _results(self) -> str:
+        # A noise analysis leaves two plots: the spectrum, then its integral.
+        last = str(self.last_plot)
+        if not last.startswith("noise"):
+            return last
+        plots = [name for name in self.plot_names if name.startswith("noise")]
+        return min(plots, key=lambda name: int(name.removeprefix("noise")))
 
     def _require_results_of(self, title: str) -> None:
         # After a netlist that did not load, ngspice would simulate the one before it.
@@ -105,18 +115,18 @@ class Instance(NgSpiceShared):
         if not self._printed or self._printed[-1].lower() != title.lower():
             raise SimulationError("ngspice gave no results for this netlist")
 
-    def _forget(self) -> None:
+    def _forget(self, *commands: str) -> None:
         # Both are needed: without them each run leaves its circuit behind, up to 0.8 MB a time.
         with contextlib.suppress(NameError):
-            self.exec_command("destroy all")
-            self.exec_command("remcirc")
+            for command in commands:
+                self.exec_command(command)
 
 
 def answer(instance: Instance, request: dict[str, Any], reply: BinaryIO) -> bool:
     """Run one request, write the reply, and return whether this process is still of use."""
     usable, values = True, b""
     try:
-        vectors = instance.analyse(request["lines"], request["command"])
+        vectors = instance.analyse(request)
         table = np.array(list(vectors.values()))
         header: dict[str, Any] = {"names": list(vectors), "points": table.shape[1]}
         header["type"] = table.dtype.str

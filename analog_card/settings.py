@@ -13,6 +13,22 @@ _FAST_RANGE = (
 )
 
 
+def largest_weights(design: Design) -> tuple[float, float]:
+    """Return the largest state weights c1 [1/s2] and c2 [1/s], P1 and P2 at their tops."""
+    parts, figures = design.soldered.surface_amplifier, card_figures(design)
+    unit = figures.weight_acceleration * figures.rc_acceleration
+    displacement = loaded_gain(
+        1.0,
+        parts.displacement_potentiometer,
+        parts.displacement_resistance,
+        parts.feedback_resistance,
+    )
+    velocity = loaded_gain(
+        1.0, parts.velocity_potentiometer, parts.velocity_resistance, parts.feedback_resistance
+    )
+    return displacement / (unit * figures.rc_velocity), velocity / unit
+
+
 def displacement_setting(weight: float, design: Design) -> float:
     """Return the fraction of travel of P1 for a state weight c1 [1/s2].
 

@@ -29,7 +29,7 @@ class Simulator:
         self._complaints: IO[bytes] | None = None
         self._empty_folder: str | None = None
         self._ready: dict[str, Any] = {}
-        self._runs = 0
+        self._loads = 0
 
     @property
     def process_id(self) -> int | None:
@@ -37,7 +37,7 @@ class Simulator:
         return self._process.pid if self._process else None
 
     def version(self) -> int:
-        """Start ngspice if need be and return its version.
+        """Start ngspice if need be and return its version, 0 when it does not say.
 
         Raises
         ------
@@ -46,21 +46,30 @@ class Simulator:
         """
         with self._lock:
             self._start()
-            return int(self._ready["version"])
+            return int(self._ready["version"] or 0)
 
     def ask(
-        self, lines: list[str], command: str, time_limit: float
+        self,
+        lines: list[str] | None,
+        command: str,
+        time_limit: float,
+        changes: list[str] | None = None,
+        keep: bool = False,
     ) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """Run one analysis of one netlist.
 
         Parameters
         ----------
-        lines : list of str
-            The netlist; its title is replaced.
+        lines : list of str or None
+            The netlist; its title is replaced. None for the circuit that the last request kept.
         command : str
             The analysis in ngspice's words.
         time_limit : float
             Longest wait for the answer [s].
+        changes : list of str, optional
+            Commands that change values of the circuit first.
+        keep : bool, optional
+            Whether the next request is for the same circuit.
 
         Returns
         -------
@@ -76,9 +85,12 @@ class Simulator:
         """
         with self._lock:
             process = self._start()
-            self._runs += 1
-            # A title of our own for each run proves that the results are of this netlist.
-            request = {"lines": [f"run {self._runs}", *lines[1:]], "command": command}
+            request: dict[str, Any] = {"changes": changes or [], "command": command, "keep": keep}
+            if lines is not None:
+                # A title of our own for each netlist proves that the results are of this one.
+                self._loads += 1
+                request["lines"] = [f"netlist {self._loads}", *lines[1:]]
+            request["title"] = f"netlist {self._loads}"
             overdue = threading.Event()
             timer = threading.Timer(time_limit, _end, (process, overdue))
             timer.start()

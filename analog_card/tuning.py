@@ -8,38 +8,14 @@ from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.figures import CardFigures, card_figures
 from analog_card.quantities import as_text
+from analog_card.reach import Limit, limits, sensitivities
 from analog_card.settings import (
-    boundary_layer_at,
     boundary_layer_setting,
     displacement_setting,
     level_setting,
     velocity_setting,
 )
-
-
-@dataclass(frozen=True)
-class SurfaceWeights:
-    """What the settings of a card amount to, in the terms of the sliding surface.
-
-    Attributes
-    ----------
-    displacement : float
-        State weight c1 [1/s2].
-    velocity : float
-        State weight c2 [1/s].
-    acceleration : float
-        State weight c3; 1 by convention.
-    boundary_layer : float
-        Surface value at which the output reaches its level [m/s2].
-    level : float
-        Largest output [V].
-    """
-
-    displacement: float
-    velocity: float
-    acceleration: float
-    boundary_layer: float
-    level: float
+from analog_card.surface_weights import SurfaceWeights, state_weights, weights_from_settings
 
 
 @dataclass(frozen=True)
@@ -107,39 +83,45 @@ class Tuning:
             for number, (name, track) in enumerate(tracks.items(), 1)
         )
 
-    def to_dict(self) -> dict[str, object]:
-        """Return everything as plain values in SI units, for JSON."""
+    @property
+    def achieved(self) -> dict[str, float]:
+        """What the settings amount to: c1 [1/s2], c2 [1/s], boundary_layer [m/s2], level [V]."""
+        weights = weights_from_settings(self.design)
         return {
-            "settling_time": self.settling_time,
-            "damping": self.damping,
+            "c1": weights.displacement,
+            "c2": weights.velocity,
+            "boundary_layer": weights.boundary_layer,
+            "level": weights.level,
+        }
+
+    @property
+    def limits(self) -> tuple[Limit, ...]:
+        """What the card can reach, and why not more."""
+        return limits(self.design, self.achieved)
+
+    def to_dict(self, turns: float = 10.0) -> dict[str, object]:
+        """Return everything as plain values in SI units, for JSON.
+
+        Parameters
+        ----------
+        turns : float, optional
+            Of each potentiometer from end to end.
+        """
+        return {
+            "settings": {
+                item.name: {"fraction": item.fraction, "ohm": item.resistance}
+                for item in self.potentiometers
+            },
+            "achieved": self.achieved,
+            "limits": [limit.to_dict() for limit in self.limits],
+            "sensitivity": {item.name: asdict(item) for item in sensitivities(self.design, turns)},
+            "settling_time": _finite(self.settling_time),
+            "damping": _finite(self.damping),
             "natural_frequency": self.natural_frequency,
             "weights": asdict(self.weights),
             "potentiometers": {item.name: asdict(item) for item in self.potentiometers},
             "figures": asdict(self.figures),
         }
-
-
-def state_weights(settling_time: float, damping: float) -> tuple[float, float]:
-    """Return the state weights c1 [1/s2] and c2 [1/s] of a sliding surface with c3 = 1.
-
-    Parameters
-    ----------
-    settling_time : float
-        Settling time of the sliding motion, 4/(damping wn) [s].
-    damping : float
-        Its damping ratio.
-
-    Notes
-    -----
-    Thesis (7.3), (7.4): c1 = wn^2, c2 = 2 zeta wn.
-
-    Examples
-    --------
-    >>> [round(weight, 1) for weight in state_weights(0.07, 1.0)]
-    [3265.3, 114.3]
-    """
-    frequency = 4 / (damping * settling_time)
-    return frequency**2, 2 * damping * frequency
 
 
 def tune(
@@ -148,6 +130,7 @@ def tune(
     boundary_layer: float = 5.0,
     level: float = 5.0,
     design: Design | None = None,
+    transducer_gain: float | None = None,
 ) -> Tuning:
     """Find the settings that give a sliding motion, a boundary layer and an output level.
 
@@ -163,6 +146,8 @@ def tune(
         Largest output [V].
     design : Design, optional
         The card; without it the recommended one.
+    transducer_gain : float, optional
+        Volts of the transducer for each metre; without it the design's [V/m].
 
     Returns
     -------
@@ -187,7 +172,7 @@ def tune(
     [0.482, 0.727, 0.151, 0.725]
     """
     _require_possible(settling_time, damping, boundary_layer, level)
-    design = design or load_design()
+    design = with_transducer_gain(design or load_design(), transducer_gain)
     weights = SurfaceWeights(*state_weights(settling_time, damping), 1.0, boundary_layer, level)
     turned = Turned(
         displacement_weight=displacement_setting(weights.displacement, design),
@@ -202,8 +187,8 @@ def tune(
     return Tuning(settling_time, damping, weights, _turned(design, turned, asked))
 
 
-def weights_from_settings(design: Design) -> SurfaceWeights:
-    """Return what the settings of a card amount to: the inverse of `tune`.
+def read_settings(design: Design) -> Tuning:
+    """Return what a card as it is turned amounts to, in the terms it was tuned in.
 
     Parameters
     ----------
@@ -212,24 +197,54 @@ def weights_from_settings(design: Design) -> SurfaceWeights:
 
     Returns
     -------
-    SurfaceWeights
-        State weights (for c3 = 1), boundary layer and level.
+    Tuning
+        With the settling time and the damping of its sliding motion.
+
+    Notes
+    -----
+    Thesis (7.3), (7.4) the other way round: damping c2/(2 sqrt(c1)), settling time 8/c2.
 
     Examples
     --------
-    >>> weights = weights_from_settings(load_design())
-    >>> round(weights.displacement, 1), round(weights.velocity, 2)
-    (3265.3, 114.29)
+    >>> tuning = read_settings(load_design())
+    >>> round(tuning.settling_time, 4), round(tuning.damping, 4)
+    (0.07, 1.0)
     """
-    figures = card_figures(design)
-    unit = figures.weight_acceleration * figures.rc_acceleration
-    return SurfaceWeights(
-        displacement=figures.weight_displacement / (unit * figures.rc_velocity),
-        velocity=figures.weight_velocity / unit,
-        acceleration=1.0,
-        boundary_layer=boundary_layer_at(design.turned.boundary_layer, design),
-        level=figures.level,
+    weights = weights_from_settings(design)
+    c1, c2 = weights.displacement, weights.velocity
+    return Tuning(
+        settling_time=8 / c2 if c2 > 0 else math.inf,
+        damping=c2 / (2 * math.sqrt(c1)) if c1 > 0 else math.inf,
+        weights=weights,
+        design=design,
     )
+
+
+def with_transducer_gain(design: Design, gain: float | None) -> Design:
+    """Return a card on a transducer of another gain, with the same full scale in metres.
+
+    Parameters
+    ----------
+    design : Design
+        The card.
+    gain : float or None
+        Volts for each metre; None leaves the design as it is [V/m].
+
+    Raises
+    ------
+    InputError
+        When it is not greater than 0.
+    """
+    if gain is None:
+        return design
+    if not (math.isfinite(gain) and gain > 0):
+        raise InputError(f"transducer gain: {gain:g} V/m is not greater than 0")
+    voltage = gain * design.transducer.full_scale_displacement
+    return replace(design, transducer=replace(design.transducer, full_scale_voltage=voltage))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _turned(design: Design, turned: Turned, source: str) -> Design:

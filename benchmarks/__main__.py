@@ -1,4 +1,5 @@
-"""``python -m benchmarks``: the compiled simulation against scipy with the same compiled equations.
+"""``python -m benchmarks``: the compiled simulation against scipy with the same compiled equations,
+and the card's netlist in closed loop against its behaviour (`benchmarks.circuit_loop`).
 
 Both have to bring the displacement to within `ALLOWED_ERROR` of a run with steps of 1 us. Each
 then runs with the loosest setting that does, in turn, so that a busy machine slows both alike.
@@ -14,6 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks import circuit_loop
 from benchmarks.scipy_reference import ScipyLoop
 from pneuservo.controllers import SlidingMode
 from pneuservo.rigs import load_rig
@@ -102,6 +104,7 @@ def main() -> None:
     compare("layer 5 m/s2", SlidingMode(boundary_layer=5.0), table)
     compare("ideal relay", SlidingMode(boundary_layer=0.0), table)
     Console(width=120).print(table)
+    Console(width=120).print(circuit_loop.compare())
 
 
 if __name__ == "__main__":

@@ -1,10 +1,13 @@
 """Controllers of a single axis: dataclasses that become a compiled law beside the plant."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from analog_card.figures import CardFigures
+from analog_card.behaviour import CardBehaviour, Imperfections
+from analog_card.design import Design
+from analog_card.figures import CardFigures, card_figures
 from analog_card.tuning import state_weights
 from pneuservo.errors import InputError
 from pneuservo.plant.control_law import CARD_TAPS, TRUE_STATES, ControlLaw
@@ -137,11 +140,15 @@ class AnalogueCard:
     figures : CardFigures
         Gains, filters and limits, from `analog_card.figures.card_figures` or stated outright. The
         transducer is the rig's; an infinite output gain makes the card a relay.
+    behaviour : CardBehaviour, optional
+        The card with its op-amps, offsets, limits and tolerances, simulated instead of the
+        figures; see `card_of`.
 
     Notes
     -----
-    Each differentiator is -s RC/((1 + s/w1)(1 + s/w2)), equation (9.3) of the thesis. Op-amp
-    dynamics and offsets are left out; they lower the limit cycle of a relay card by 2 to 5 %.
+    By its figures each differentiator is -s RC/((1 + s/w1)(1 + s/w2)), equation (9.3) of the
+    thesis. Op-amp dynamics and offsets are left out; they lower the limit cycle of a relay card by
+    2 to 5 %, and are in its behaviour.
 
     Examples
     --------
@@ -153,6 +160,7 @@ class AnalogueCard:
 
     kind: ClassVar[str] = "analogue-card"
     figures: CardFigures
+    behaviour: CardBehaviour | None = None
 
     def __post_init__(self) -> None:
         """Refuse figures that make no card."""
@@ -190,6 +198,47 @@ class AnalogueCard:
             acceleration_lag_1=acceleration_lags[0],
             acceleration_lag_2=acceleration_lags[1],
         )
+
+
+def card_of(
+    design: Design,
+    imperfections: Imperfections | None = None,
+    elements: Mapping[str, float] | None = None,
+    relay: bool = False,
+) -> AnalogueCard:
+    """Return a card as a controller, with what is chosen of its imperfections.
+
+    Parameters
+    ----------
+    design : Design
+        The card.
+    imperfections : Imperfections, optional
+        What of the real card it has; without it all. With none it is the card by its figures.
+    elements : mapping of str to float, optional
+        Values of elements that differ from the design's, by their names in
+        `analog_card.behaviour_elements.nominal_elements`.
+    relay : bool, optional
+        Whether the feedback of the boundary-layer amplifier is opened.
+
+    Returns
+    -------
+    AnalogueCard
+        The controller.
+
+    Examples
+    --------
+    >>> from analog_card.behaviour import Imperfections
+    >>> from analog_card.design_file import load_design
+    >>> card_of(load_design(), Imperfections.none()) == AnalogueCard(card_figures(load_design()))
+    True
+    """
+    figures = card_figures(design)
+    if relay:
+        figures = replace(figures, output_gain=math.inf)
+    with_ = imperfections or Imperfections()
+    if not with_.any and not elements:
+        return AnalogueCard(figures)
+    return AnalogueCard(figures, CardBehaviour(design, elements or {}, with_, relay))
 
 
 Controller = SlidingMode | Proportional | StateFeedback | AnalogueCard

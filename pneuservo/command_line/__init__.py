@@ -9,9 +9,12 @@ from analog_card.errors import AnalogCardError
 from pneuservo.errors import PneuservoError
 
 _COMMANDS = {
+    "bench-tune": "Tune a card by its step response: P1 and P2, then P3.",
     "demo": "The main job end to end: tune, simulate, close the loop, diagnose, report.",
+    "detectable": "Say which chattering a converter still sees.",
     "diagnose": "Say where and why a simulation differs from recordings.",
     "simulate": "Simulate a rig: replay a recording's command, or close a loop.",
+    "tolerance": "Study what tolerances of the card do to the closed loop.",
 }
 
 
@@ -24,7 +27,8 @@ class _LazyGroup(CommandGroup):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in _COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"{__name__}.{name}").command
+        module = importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
+        command: click.Command = module.command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

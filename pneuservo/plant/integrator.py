@@ -191,6 +191,38 @@ def _write_output(state, modes, inputs, law, plant, output):
 
 
 @compiled
+def initial_modes(state, inputs, plant):
+    """Return the modes at the start of a run, and bring the state onto what they hold.
+
+    Parameters
+    ----------
+    state : array
+        Changed where a mode holds it.
+    inputs, plant
+        As in `derivative`.
+
+    Returns
+    -------
+    (3,) array of int
+        Places as named in `pneuservo.plant.single_axis`.
+    """
+    modes = np.empty(3, np.int64)
+    modes[MOTION] = motion_from(
+        state[DISPLACEMENT],
+        state[VELOCITY],
+        piston_force(state, inputs, plant),
+        plant.piston,
+    )
+    if not is_moving(modes[MOTION]):
+        state[VELOCITY] = 0.0
+    modes[RELAY_SIGN] = 1
+    modes[SPOOL_LIMIT] = SPOOL_FREE
+    if abs(state[SPOOL]) >= 1.0:
+        modes[SPOOL_LIMIT] = 1 if state[SPOOL] > 0.0 else -1
+    return modes
+
+
+@compiled
 def run(time, inputs, initial_state, law, plant, grid, largest_step):
     """Return the outputs at every time of a run.
 
@@ -217,19 +249,7 @@ def run(time, inputs, initial_state, law, plant, grid, largest_step):
     work = np.empty((3, state.shape[0]))
     result = np.empty_like(state)
     outputs = np.empty((time.shape[0], len(OUTPUTS)))
-    modes = np.empty(3, np.int64)
-    modes[MOTION] = motion_from(
-        state[DISPLACEMENT],
-        state[VELOCITY],
-        piston_force(state, inputs[0], plant),
-        plant.piston,
-    )
-    if not is_moving(modes[MOTION]):
-        state[VELOCITY] = 0.0
-    modes[RELAY_SIGN] = 1
-    modes[SPOOL_LIMIT] = SPOOL_FREE
-    if abs(state[SPOOL]) >= 1.0:
-        modes[SPOOL_LIMIT] = 1 if state[SPOOL] > 0.0 else -1
+    modes = initial_modes(state, inputs[0], plant)
     for k in range(time.shape[0]):
         held = inputs[k]
         settle(state, modes, held, law, plant)

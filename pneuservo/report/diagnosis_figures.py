@@ -84,7 +84,7 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
         above.plot(*thinned(time[window], model[window] * scale), color=colour, label=label)
         residual = np.where(case.usable, case.measured - model, np.nan) * scale
         below.plot(*thinned(time, residual), color=colour, lw=0.8, alpha=0.8)
-    noise = case.noise_rms * scale
+    noise = diagnosis.search.noise_rms * scale
     if repaired:
         # What is left after the repair has to be seen; the baseline may leave the frame.
         reach = max(6.0 * noise, 1.1 * float(np.nanquantile(np.abs(residual), 0.999)))

@@ -5,13 +5,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pneuservo.controllers import Controller
+from pneuservo.controllers import AnalogueCard, Controller
 from pneuservo.errors import InputError
 from pneuservo.plant import dead_volume as dead_volume_kernels
 from pneuservo.plant import from_rig, integrator
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
 from pneuservo.rigs import Rig
+from pneuservo.simulation.behavioural_card import run_behaviour
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import (
     LARGEST_STEP,
@@ -92,17 +93,17 @@ def simulate(
     force = require_samples("external_force", external_force, times)
     rest = 0.5 * plant.piston.stroke if controller is None else float(held[0])
     state = (initial or InitialState()).state(plant, rest, float(force[0]))
-    if law.source == CARD_TAPS:
-        state = _with_card_at_rest(state, law)
-    outputs = integrator.run(
-        times,
-        np.column_stack((held, force)),
-        state,
-        law,
-        plant,
-        from_rig.valve_grid(rig.valve),
-        _step(largest_step, plant.valve.spool_frequency, law),
-    )
+    grid = from_rig.valve_grid(rig.valve)
+    step = _step(largest_step, plant.valve.spool_frequency, law)
+    inputs = np.column_stack((held, force))
+    if isinstance(controller, AnalogueCard) and controller.behaviour is not None:
+        outputs = run_behaviour(
+            times, inputs, state, controller.behaviour, law.sensitivity, plant, grid, step
+        )
+    else:
+        if law.source == CARD_TAPS:
+            state = _with_card_at_rest(state, law)
+        outputs = integrator.run(times, inputs, state, law, plant, grid, step)
     _require_finite(times, outputs[:, :6])
     columns = dict(zip(integrator.OUTPUTS, outputs.T, strict=True))
     return _result(rig, times, columns, controller, law, held, force)

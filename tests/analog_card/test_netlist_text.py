@@ -3,9 +3,18 @@ import re
 import pytest
 
 import netlists
+from analog_card.analyses import (
+    FrequencySweep,
+    Noise,
+    OperatingPoint,
+    SourceSweep,
+    Transient,
+    analysis_in,
+)
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
-from analog_card.netlist_text import read_netlist
+from analog_card.netlist_elements import elements
+from analog_card.netlist_text import read_netlist, spice_number
 
 BENCHES = sorted((netlists.ROOT / "benches").glob("*.cir"))
 FILES = sorted(netlists.ROOT.rglob("*.lib")) + BENCHES
@@ -122,14 +131,89 @@ def test_files_that_cannot_be_read(tmp_path):
         read_netlist(binary)
 
 
-@pytest.mark.parametrize("name", ["double-differentiator-ac", "double-differentiator-transient"])
+@pytest.mark.parametrize("name", ["card", "card-ac", "double-differentiator-transient"])
 def test_shipped_values_are_those_of_the_recommended_card(name):
     # The netlists run as they are, so they repeat the values of the design file: they must agree.
-    parameters = read_netlist(netlists.ROOT / "benches" / f"{name}.cir").parameters
-    scale = {"t": 1e12, "meg": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "": 1}
+    parameters = read_netlist(netlists.shipped()[name]).parameters
     for parameter, value in load_design().netlist_parameters().items():
-        number, suffix = re.fullmatch(r"([\d.]+)(\w*)", parameters[parameter]).groups()
-        assert float(number) * scale[suffix] == pytest.approx(value), parameter
+        assert spice_number(parameters[parameter]) == pytest.approx(value, rel=1e-9), parameter
+
+
+def test_every_value_in_values_lib_is_known_to_the_design():
+    text = (netlists.ROOT / "values.lib").read_text()
+    names = set(re.findall(r"^\.param (\w+)", text, re.MULTILINE))
+    # The link is open or closed: a jumper, not a part.
+    assert names - load_design().netlist_parameters().keys() == {"boundary_layer_link"}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("4.5meg", 4.5e6), ("4.5MEG", 4.5e6), ("100nF", 1e-7), ("1M", 1e-3), ("10kohm", 1e4),
+     ("-2.5e-3", -2.5e-3), ("1e3k", 1e6), (".5u", 5e-7), ("3", 3.0), ("7f", 7e-15), ("2g", 2e9)],
+)  # fmt: skip
+def test_numbers_as_spice_writes_them(text, value):
+    assert spice_number(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "abc", "{2*a}", "1 k", "--1", "1k2"])
+def test_what_is_not_a_number(text):
+    with pytest.raises(ValueError, match="not a number"):
+        spice_number(text)
+
+
+def test_saved_nodes_stand_ahead_of_the_end(tmp_path):
+    netlist = read_netlist(write(tmp_path, "t", "V1 a 0 1", ".end")).with_saved(["a", "v1#branch"])
+    assert [line.text for line in netlist.lines[-2:]] == [".save v(a) v1#branch", ".end"]
+    with pytest.raises(InputError, match="not a name"):
+        netlist.with_saved(["a) shell"])
+
+
+def test_elements_of_nested_subcircuits_have_paths(tmp_path):
+    netlist = read_netlist(
+        write(tmp_path, "t", ".subckt inner a b r=1", "R1 a b {r}", ".ends", ".subckt outer a",
+              "Xone a 0 inner r = 2", "C1 a 0 1n", ".ends", "Vin n 0 1", "XA n outer", ".end")
+    )  # fmt: skip
+    found = elements(netlist)
+    assert list(found) == ["vin", "xa.xone.r1", "xa.c1"]
+    assert found["xa.xone.r1"].number == 3
+
+
+def test_a_subcircuit_that_holds_itself_ends(tmp_path):
+    netlist = read_netlist(
+        write(tmp_path, "t", ".subckt s a", "X1 a s", "R1 a 0 1", ".ends", "X1 n s", ".end")
+    )
+    assert len(elements(netlist)) < 50
+
+
+@pytest.mark.parametrize(
+    ("line", "kind", "expected"),
+    [
+        (".ac dec 10 1 1meg", "ac", FrequencySweep(1.0, 1e6, 10)),
+        (".tran 1u 1m", "tran", Transient(1e-3, 1e-6)),
+        (".TRAN 1u 1m 0 5u uic", "tran", Transient(1e-3, 5e-6, True)),
+        (".dc V1 -1 1 100m", "dc", SourceSweep("V1", -1.0, 1.0, 0.1)),
+        (".noise v(out) V1 dec 5 1 1k", "noise", Noise("out", "V1", 1.0, 1e3, 5)),
+        (".end", "op", OperatingPoint()),
+    ],
+)
+def test_analyses_are_read_from_the_netlist(tmp_path, line, kind, expected):
+    lines = ["t", "V1 out 0 1"] + [line] * (kind != "op") + [".end"]
+    assert analysis_in(read_netlist(write(tmp_path, *lines)), kind) == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "kind", "expected"),
+    [
+        (".ac lin 10 1 1k", "ac", "line 3: not understood"),
+        (".tran {a} 1m", "tran", "with plain numbers"),
+        (".tran 1u", "tran", "not understood"),
+        (".noise v(a,b) V1 dec 5 1 1k", "noise", "not understood"),
+        (".ac dec 10 1 1k", "tran", "no .tran line"),
+    ],
+)
+def test_analyses_that_are_not_understood(tmp_path, line, kind, expected):
+    with pytest.raises(InputError, match=expected):
+        analysis_in(read_netlist(write(tmp_path, "t", "V1 a 0 1", line, ".end")), kind)
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)

@@ -1,0 +1,82 @@
+"""How kernels are compiled, and where the compiled code is kept."""
+
+import hashlib
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import platformdirs
+
+PACKAGE = Path(__file__).parent
+
+
+def kernel_folder(*packages: Path) -> Path | None:
+    """Return the folder for the compiled code of some packages, or None when none can be written.
+
+    Parameters
+    ----------
+    packages : Path
+        Their folders.
+
+    Notes
+    -----
+    The folder is named after the content of every source file that holds kernels and the version
+    of the compiler. The compiler itself only watches the file a function stands in, so a kernel
+    that takes in a function of another file would keep running the old physics after that file
+    changed.
+    """
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in sorted(source for package in packages for source in package.rglob("*.py")):
+        content = source.read_bytes()
+        if b"import compiled" in content:
+            digest.update(content)
+    folder = Path(platformdirs.user_cache_dir("pneuservo")) / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return None
+    return folder
+
+
+def compile_kernel(function: Callable[..., Any], folder: Path | None) -> Any:
+    """Compile a kernel, keeping the result in a folder if there is one.
+
+    Parameters
+    ----------
+    function : callable
+        A function of numbers, arrays and named tuples that calls nothing but other kernels.
+    folder : Path or None
+        From `kernel_folder`.
+
+    Returns
+    -------
+    callable
+        The kernel. Division by zero gives infinity, as in C, instead of an exception, and a
+        kernel that calls it takes a copy of its code, which nearly doubles the speed of a run.
+    """
+    options: dict[str, Any] = {"error_model": "numpy", "forceinline": True, "nogil": True}
+    if folder is None:
+        return numba.njit(**options)(function)
+    # The compiler reads the folder here; other users of it in this process keep their own.
+    config: Any = numba.config
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(folder)
+    try:
+        return numba.njit(cache=True, **options)(function)
+    finally:
+        config.CACHE_DIR = before
+
+
+@cache
+def _cache_folder() -> Path | None:
+    return kernel_folder(PACKAGE)
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """Compile a kernel of this package; see `compile_kernel`."""
+    return compile_kernel(function, _cache_folder())

@@ -1,0 +1,91 @@
+"""Judging what ngspice says: what is a failure, what is chatter, and where in the netlist it is."""
+
+import re
+from collections.abc import Sequence
+
+from analog_card.netlist_elements import elements
+from analog_card.netlist_text import Line, Netlist
+
+# How ngspice begins a line about something that failed. Notes, warnings and the steps of the
+# search for an operating point are not failures, nor is a node that has "error" in its name.
+_FAILURE = re.compile(
+    r"(error:|error on line|pterror|fatal\b|doanalyses:|.*simulation\(s\) aborted|undefined par"
+    r"|cannot compute|could not find|.*unknown subckt|.*awaits to be detached)",
+    re.IGNORECASE,
+)
+# ngspice 42 and 43 print "Using SPARSE 1.3 ..." on standard error before every analysis.
+_CHATTER = re.compile(
+    r"note:|trying gmin|supplies reduced|using sparse|reference value"
+    r"|warning: .*(gmin|source step)",
+    re.IGNORECASE,
+)
+_LINE = re.compile(r"(?:original |netlist |internal )?line(?: no\.?:?)? (\d+)", re.IGNORECASE)
+_NODE = re.compile(r'(?:trouble with|check) node "?([\w.#]+)', re.IGNORECASE)
+
+
+def is_failure(line: str) -> bool:
+    """Whether a line that ngspice printed says that something failed.
+
+    Examples
+    --------
+    >>> is_failure("Error: no such device"), is_failure("error_signal = 3.0")
+    (True, False)
+    """
+    return bool(_FAILURE.match(line))
+
+
+def is_chatter(line: str) -> bool:
+    """Whether a line on standard error only tells how the work goes on.
+
+    Examples
+    --------
+    >>> is_chatter("Note: Starting dynamic gmin stepping"), is_chatter("singular matrix")
+    (True, False)
+    """
+    return bool(_CHATTER.match(line))
+
+
+def with_places(netlist: Netlist, words: Sequence[str]) -> str:
+    """Return what ngspice said about a netlist, with file, line and node where they are known.
+
+    Parameters
+    ----------
+    netlist : Netlist
+        The netlist it was given.
+    words : sequence of str
+        What it said.
+
+    Returns
+    -------
+    str
+        Its words, line numbers turned into files and lines; the node or the place that it
+        means in front, when its words name an element or repeat a line.
+    """
+
+    def place(match: re.Match[str]) -> str:
+        index = int(match[1]) - 1
+        return _place(netlist.lines[index]) if 0 <= index < len(netlist.lines) else match[0]
+
+    said = _LINE.sub(place, " | ".join(words))
+    node = _NODE.search(said)
+    found = [f"node {node[1]}"] if node else []
+    if said == " | ".join(words):
+        found += [_place(line) for line in _meant(netlist, said.lower())[:1]]
+    return ": ".join([*found, said])
+
+
+def _meant(netlist: Netlist, said: str) -> list[Line]:
+    """Return the lines that the words repeat, or else those of the elements they name."""
+    repeated = [
+        line for line in netlist.lines[1:] if " " in line.text and line.text.lower() in said
+    ]
+    if repeated:
+        return repeated
+    named = re.findall(r"[a-z][\w.]*(?=#branch|\b)", said)
+    known = elements(netlist)
+    paths = [path for name in named for path in (name, name.partition(".")[2]) if path in known]
+    return [known[path] for path in paths]
+
+
+def _place(line: Line) -> str:
+    return f"{line.file.name} line {line.number}"

@@ -1,0 +1,131 @@
+"""Running the trials of a study: in several processes, kept in a file, going on after a stop."""
+
+import hashlib
+import json
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from analog_card.errors import InputError
+
+Figures = dict[str, Any]
+Trial = Callable[[Sequence[int]], Iterable[Figures]]
+
+# Trials that a process takes at a time: enough to make its start cheap, few enough to lose little.
+_CHUNK = 10
+
+
+def fingerprint(*what: Any) -> str:
+    """Return a text that tells one study from another, by the values that define it."""
+    return hashlib.sha256(repr(what).encode()).hexdigest()[:16]
+
+
+def run_trials(
+    trial: Trial,
+    count: int,
+    study: str,
+    store: str | Path | None = None,
+    jobs: int = 1,
+    step: Callable[[str], None] = lambda what: None,
+) -> list[Figures]:
+    """Return the figures of every trial of a study, in order.
+
+    Parameters
+    ----------
+    trial : callable
+        Takes indices and yields the figures of each; of a module, so that another process can call
+        it. The figures of an index must depend on nothing but the index.
+    count : int
+        How many trials.
+    study : str
+        What the study is, from `fingerprint`: a file of another study is refused.
+    store : str or Path, optional
+        A file to which each trial is added as a line of JSON; trials already in it are not run
+        again.
+    jobs : int, optional
+        Processes to run in.
+    step : callable, optional
+        Told about each trial done, for a progress display.
+
+    Returns
+    -------
+    list of dict
+        Figures by trial; the same however many processes there were.
+
+    Raises
+    ------
+    InputError
+        When the file is of another study, or a number is out of range.
+
+    Examples
+    --------
+    >>> run_trials(lambda indices: ({"square": i * i} for i in indices), 3, "squares")
+    [{'square': 0}, {'square': 1}, {'square': 4}]
+    """
+    if count < 1 or jobs < 1:
+        raise InputError(f"{count} trials in {jobs} processes; at least one of each is needed")
+    done = _read(Path(store), study) if store is not None else {}
+    left = [index for index in range(count) if index not in done]
+    chunks = [left[k : k + _CHUNK] for k in range(0, len(left), _CHUNK)]
+
+    def keep(index: int, figures: Figures) -> None:
+        done[index] = figures
+        if store is not None:
+            _append(Path(store), {"trial": index, "figures": figures})
+        step(f"trial {index}")
+
+    if store is not None and not Path(store).exists():
+        _append(Path(store), {"study": study})
+    if jobs == 1 or len(chunks) < 2:
+        for chunk in chunks:
+            for index, figures in zip(chunk, trial(chunk), strict=True):
+                keep(index, figures)
+    else:
+        # Spawned: a forked process would share the simulator's with this one.
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(jobs, mp_context=context) as pool:
+            futures = {pool.submit(_collected, trial, chunk): chunk for chunk in chunks}
+            for future in as_completed(futures):
+                for index, figures in zip(futures[future], future.result(), strict=True):
+                    keep(index, figures)
+    return [done[index] for index in range(count)]
+
+
+def _collected(trial: Trial, chunk: Sequence[int]) -> list[Figures]:
+    return list(trial(chunk))
+
+
+def _append(path: Path, line: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as stream:
+        stream.write(json.dumps(line) + "\n")
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _read(path: Path, study: str) -> dict[int, Figures]:
+    """Return the trials in a file; a line that was cut short by a stop is taken off it."""
+    if not path.exists():
+        return {}
+    content = path.read_bytes()
+    whole = content[: content.rfind(b"\n") + 1]
+    try:
+        lines = [json.loads(line) for line in whole.decode().splitlines()]
+        found = {int(line["trial"]): dict(line["figures"]) for line in lines[1:]}
+        of_study = lines[0]["study"] if lines else study
+    except (ValueError, KeyError, TypeError) as problem:
+        raise InputError(f"{path}: not a file of trials ({problem}); name another") from problem
+    if of_study != study:
+        raise InputError(
+            f"{path}: holds the trials of another study (other design, tolerances or seed); "
+            "name another file, or delete it"
+        )
+    if len(whole) < len(content):
+        with path.open("r+b") as stream:
+            stream.truncate(len(whole))
+    if not lines:
+        path.unlink()
+    return found

@@ -1,0 +1,53 @@
+"""``pneuservo tolerance``: what tolerances of the card do to the closed loop."""
+
+import click
+
+from analog_card.command_line.tolerance import parsed_limits, report, study_options
+from analog_card.console import progress
+from analog_card.design_file import load_design
+from analog_card.tolerance import Tolerances
+from pneuservo.rigs import load_rig
+from pneuservo.tolerance import ALL_FIGURES, study_loop
+
+_EPILOG = """\b
+Examples:
+  pneuservo tolerance --trials 4
+  pneuservo tolerance --trials 2 --capacitor 0.01 --limit steady_state_error=-0.3mm..0.3mm --json
+"""
+
+
+@click.command("tolerance", epilog=_EPILOG)
+@click.option(
+    "--trials", type=click.IntRange(min=2), default=1000, show_default=True, help="Cards simulated."
+)
+@click.option("--rig", default="single-axis", show_default=True, help="The plant: name or file.")
+@study_options
+def command(
+    trials: int,
+    rig: str,
+    seed: int,
+    jobs: int,
+    limit: tuple[str, ...],
+    out: str | None,
+    design_file: str | None,
+    as_json: bool,
+    **tolerances: float,
+) -> None:
+    """Study what tolerances of the card do to the closed loop.
+
+    A step of 30 % of the stroke with the boundary layer and with the relay: settling, error and
+    limit cycle of every card, worst cases by corners, and which part matters most.
+    """
+    with progress() as step:
+        study = study_loop(
+            load_design(design_file),
+            Tolerances(**tolerances),
+            load_rig(rig),
+            trials,
+            seed,
+            parsed_limits(limit, ALL_FIGURES),
+            out,
+            jobs,
+            step,
+        )
+    report(study, out, as_json)

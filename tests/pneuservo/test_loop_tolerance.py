@@ -1,0 +1,81 @@
+"""Tolerance studies in closed loop."""
+
+import json
+from functools import partial
+
+import pytest
+from click.testing import CliRunner
+
+from analog_card.design_file import load_design
+from analog_card.tolerance import Tolerances, draw, elements_of, quantities
+from analog_card.tolerance_figures import behaviour_figures
+from analog_card.tolerance_trials import run_trials
+from pneuservo.command_line import main
+from pneuservo.rigs import load_rig
+from pneuservo.tolerance import ALL_FIGURES, _trials, closed_loop_figures
+
+
+@pytest.fixture(scope="module")
+def design():
+    return load_design()
+
+
+def test_figures_of_the_recommended_card(design):
+    found = closed_loop_figures(design, {}, load_rig("single-axis"))
+    # A like plant in an independent study: 43.8 ms, 126 ms, none, 167 Hz, 6.9 m/s2; its friction
+    # and discharge coefficients were simpler.
+    assert found["rise_time"] == pytest.approx(43.8e-3, rel=0.03)
+    assert found["settling_time"] == pytest.approx(0.126, rel=0.1)
+    assert found["chatter"] < 0.01
+    assert found["limit_cycle_frequency"] == pytest.approx(167, rel=0.03)
+    assert found["limit_cycle_amplitude"] == pytest.approx(6.9, rel=0.05)
+
+
+def test_the_loop_holds_where_the_open_loop_says(design):
+    tolerances = Tolerances()
+    items = quantities(design, tolerances)
+    for index in range(2):
+        elements = elements_of(draw(items, 0, index), design, tolerances)
+        loop = closed_loop_figures(design, elements, load_rig("single-axis"))
+        if loop["chatter"] > 0.1:
+            continue
+        at_rest = behaviour_figures(design, elements)["rest_error"]
+        # 24 mm of 30 mm is the share of full scale that the open-loop figure is taken at; the
+        # valve's own zero and the follower's offset divide by the gain of the layer.
+        assert loop["steady_state_error"] == pytest.approx(at_rest, abs=5e-6)
+
+
+def test_a_trial_is_the_same_alone_and_among_others(design):
+    trial = partial(_trials, design, Tolerances(), load_rig("single-axis"), 3)
+    assert run_trials(trial, 2, "x")[1] == next(iter(trial([1])))
+
+
+def test_command_prints_json_and_goes_on(tmp_path):
+    arguments = ["tolerance", "--trials", "3", "--json", "--out", str(tmp_path)]
+    tight = ["--resistor", "0", "--capacitor", "0", "--matched-resistor", "0"]
+    tight += [
+        "--offset-voltage",
+        "0",
+        "--potentiometer",
+        "0",
+        "--offset-drift",
+        "0",
+        "--lowest-temperature",
+        "25",
+    ]
+    tight += ["--highest-temperature", "25", "--limit", "steady_state_error=-0.3mm..0.3mm"]
+    result = CliRunner().invoke(main, arguments + tight)
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.output)
+    assert [figure["figure"] for figure in found["figures"]] == list(ALL_FIGURES)
+    assert len((tmp_path / "loop.jsonl").read_text().splitlines()) == 4
+    assert CliRunner().invoke(main, arguments + tight).output == result.output
+    other = CliRunner().invoke(main, [*arguments, *tight, "--seed", "1"])
+    assert other.exit_code == 2
+    assert "another study" in other.output
+
+
+def test_bad_limits_exit_with_status_2():
+    result = CliRunner().invoke(main, ["tolerance", "--limit", "settling=0..1"])
+    assert result.exit_code == 2
+    assert "the figures are" in result.output
