@@ -2,6 +2,9 @@
 
 from typing import Any
 
+import numpy as np
+
+from analog_card.verification import decibel
 from pneuservo.demo import Demo
 from pneuservo.report.page import diagnosis_content, render
 from pneuservo.report.svg import BASELINE, MEASURED, REPAIRED, draw, thinned
@@ -26,6 +29,8 @@ def demo_page(demo: Demo, answer: dict[str, Any]) -> str:
         "demo_page.html",
         demo=demo,
         steps=demo.loop.step_responses(),
+        netlist_rows=_worst_of_each(demo.verification),
+        sweep=_differentiators_over_the_sweep(demo.verification),
         netlist_figure=draw(_netlist, demo.verification, size=(9.0, 6.0), shape=(2, 2)),
         loop_figure=loop_picture(demo),
         **diagnosis_content(demo.diagnosis, answer),
@@ -46,6 +51,31 @@ def loop_picture(demo: Demo) -> str:
         Displacement, valve voltage and pressures over time.
     """
     return draw(_loop, demo.loop, size=(9.0, 5.6), shape=(3, 1), ratios=(2.0, 1.0, 1.0))
+
+
+def _worst_of_each(verification: Any) -> list[Any]:
+    """Return the worst deviation of each quantity, whatever the stage."""
+    worst: dict[str, Any] = {}
+    for deviation in verification.deviations:
+        if deviation.worst > getattr(worst.get(deviation.quantity), "worst", -1.0):
+            worst[deviation.quantity] = deviation
+    return list(worst.values())
+
+
+def _differentiators_over_the_sweep(verification: Any) -> dict[str, float]:
+    """Return the worst deviation of both differentiators over all frequencies [dB], [degree]."""
+    ratios = np.concatenate(
+        [
+            verification.netlist_response[stage] / verification.model_response[stage]
+            for stage in ("first", "second")
+        ]
+    )
+    return {
+        "gain": float(np.max(np.abs(decibel(ratios)))),
+        "phase": float(np.max(np.abs(np.angle(ratios, deg=True)))),
+        "from": float(verification.frequency[0]),
+        "to": float(verification.frequency[-1]),
+    }
 
 
 def _netlist(axes: Any, verification: Any) -> None:
