@@ -86,8 +86,8 @@ PRESSURE_OPENING = Effect(
     block="dead-volume",
     rigs=_RIGS,
     statement=(
-        "Air leaks to the atmosphere with a power of the gauge pressure (above 1: gaps or pores that "
-        "open under pressure); the model holds it tight."
+        "Air leaks to the atmosphere with a power of the gauge pressure (above 1: gaps or pores "
+        "that open under pressure); the model holds it tight."
     ),
     equation="m_leak = coefficient ((p - p_atm) / 1 bar)^exponent",
     parameters=(
