@@ -227,7 +227,8 @@ class Search:
     def _compatible(self, accepted: Sequence[str]) -> list[str]:
         """Return the candidates that may be added to some others."""
         group = {effect.id: effect.group for effect in self.model.effects}
-        taken = {group.get(name, "") for name in accepted} - {""}
+        present = [*accepted, *self.cases[0].rig.effects]
+        taken = {group.get(name, "") for name in present} - {""}
         return [
             name
             for name in self.candidates
