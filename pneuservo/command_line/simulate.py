@@ -1,7 +1,6 @@
 """``pneuservo simulate``: replay a recording's command, or close a loop."""
 
 import dataclasses
-import difflib
 import io
 import json
 import math
@@ -19,6 +18,7 @@ from analog_card.files import write_whole
 from analog_card.quantities import to_si
 from pneuservo.controllers import CONTROLLERS, AnalogueCard, Controller
 from pneuservo.errors import InputError
+from pneuservo.naming import nearest
 from pneuservo.recordings import CHANNELS, Recording, read_recording, write_recording
 from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation import Simulation, replay, simulate, step_demand
@@ -153,10 +153,9 @@ def _closed_loop(
 
 def _controller(name: str, given: Mapping[str, Any]) -> Controller:
     if name not in CONTROLLERS:
-        close = difflib.get_close_matches(name, CONTROLLERS, 1)
-        hint = f". Did you mean {close[0]!r}?" if close else ""
         raise InputError(
-            f"controller {name!r} is not known; there are: {', '.join(CONTROLLERS)}{hint}"
+            f"controller {name!r} is not known; there are: {', '.join(CONTROLLERS)}"
+            f"{nearest(name, CONTROLLERS)}"
         )
     for option in given:
         if option not in _TAKEN[name]:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, fit
@@ -181,8 +180,3 @@ def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -
             "diagnose one rig at a time, or name the one meant with --rig"
         )
     return load_rig(names[0])
-
-
-def residual_by_case(found: Fit) -> list[float]:
-    """Return the root-mean-square residual of each recording of a fit [SI]."""
-    return [float(np.sqrt(np.mean(residual**2))) for residual in found.residuals]

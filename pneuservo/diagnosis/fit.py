@@ -33,8 +33,6 @@ class Fit:
         95 % intervals of the shared values.
     own : sequence of mapping
         Fitted values of each recording alone.
-    own_intervals : sequence of mapping of str to (low, high)
-        Their 95 % intervals.
     residuals : sequence of array
         Measured minus modelled, usable samples only [SI].
     rms : float
@@ -51,7 +49,6 @@ class Fit:
     shared: dict[str, float]
     intervals: dict[str, tuple[float, float]]
     own: tuple[dict[str, float], ...]
-    own_intervals: tuple[dict[str, tuple[float, float]], ...]
     residuals: tuple[Array, ...]
     rms: float
     samples: int
@@ -218,20 +215,17 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
     half = _INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
     bounds = [
         (float(max(x - h, u.low)), float(min(x + h, u.high)))
-        for x, h, u in zip(vector * problem.units, half, problem.unknowns, strict=False)
+        for x, h, u in zip(vector * problem.units, half, problem.shared, strict=False)
     ]
     values = problem.values(vector)
     keys = [[u.key for u in own] for own in problem.own]
-    ends = iter(bounds)
-    intervals = {u.key: next(ends) for u in problem.shared}
-    own_intervals = tuple({key: next(ends) for key in own} for own in keys)
+    intervals = {u.key: ends for u, ends in zip(problem.shared, bounds, strict=True)}
     shared = {u.key: values[0][u.key] for u in problem.shared} if fixed is None else dict(fixed)
     return Fit(
         hypothesis,
         shared,
         intervals,
         tuple({k: v[k] for k in own} for v, own in zip(values, keys, strict=True)),
-        own_intervals,
         tuple(residuals),
         max(float(np.sqrt(np.mean(everything**2))), problem.resolution),
         len(everything),
