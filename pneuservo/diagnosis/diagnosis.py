@@ -72,10 +72,10 @@ class Diagnosis:
         ratio = chosen.rms / self.search.noise_rms
         if ratio < SUSPICIOUS_RATIO:
             return False
-        known = all(self.model.channel in case.recording.noise_rms for case in cases)
+        known = all(case.channel in case.recording.noise_rms for case in cases)
         if known or ratio > OBVIOUS_RATIO:
             return True
-        if chosen.effective > COLOURED * chosen.samples:
+        if chosen.all_effective > COLOURED * chosen.samples:
             return False
         return self.left_over.beyond_chance
 
@@ -146,7 +146,7 @@ def diagnose(
     chosen_rig = _common_rig([*recordings, *validate], rig)
     model = model_of(chosen_rig.kind)
     cases, held_back = (
-        [_prepare(model, recording, chosen_rig) for recording in group]
+        [case for recording in group for case in _prepare(model, recording, chosen_rig)]
         for group in (recordings, validate)
     )
     search = Search(model, cases, progress, seed)
@@ -163,9 +163,9 @@ def diagnose(
     return Diagnosis(chosen_rig, model, search, held_back, before, after)
 
 
-def _prepare(model: Model, recording: Recording, rig: Rig) -> Case:
+def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     model.require_channels(recording)
-    return model.prepare(recording, rig.with_conditions(recording.conditions))
+    return model.cases(recording, rig.with_conditions(recording.conditions))
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

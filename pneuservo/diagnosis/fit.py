@@ -1,6 +1,6 @@
 """Output-error fits: the whole model is simulated and compared with what was measured."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,12 +33,18 @@ class Fit:
         95 % intervals of the shared values.
     own : sequence of mapping
         Fitted values of each recording alone.
+    channels : sequence of str
+        Channel of each residual.
     residuals : sequence of array
-        Measured minus modelled, usable samples only [SI].
+        Measured minus modelled, usable samples only [unit of the cases].
     rms : float
-        Root mean square of all residuals together [SI].
-    samples, effective : float
-        Number of samples, and what they are worth after serial correlation.
+        Root mean square of all residuals together [unit of the cases].
+    samples : int
+        Number of samples.
+    effective : mapping of str to float
+        What the samples of each channel are worth after serial correlation.
+    finest : mapping of str to float
+        Residual below which the fit of a channel is perfect [unit of its cases].
     unknowns : int
         How many numbers were fitted.
     penalty : float
@@ -49,10 +55,12 @@ class Fit:
     shared: dict[str, float]
     intervals: dict[str, tuple[float, float]]
     own: tuple[dict[str, float], ...]
+    channels: tuple[str, ...]
     residuals: tuple[Array, ...]
     rms: float
     samples: int
-    effective: float
+    effective: Mapping[str, float]
+    finest: Mapping[str, float]
     unknowns: int
     penalty: float
     jacobian: Array = field(repr=False)
@@ -99,13 +107,29 @@ class Fit:
         ]
         return self.jacobian[:, columns]
 
-    def evidence(self, effective: float) -> float:
-        """Return the Bayesian information criterion: lower is better, 10 is decisive."""
-        return (
-            effective * float(np.log(self.rms**2))
-            + self.unknowns * float(np.log(effective))
-            + self.penalty
+    @property
+    def all_effective(self) -> float:
+        """Return what all samples together are worth."""
+        return sum(self.effective.values())
+
+    def rms_of(self, channel: str) -> float:
+        """Return the root mean square of what one channel leaves [unit of its cases]."""
+        parts = [r for r, c in zip(self.residuals, self.channels, strict=True) if c == channel]
+        return max(rms(parts), self.finest[channel])
+
+    def evidence(self, effective: Mapping[str, float]) -> float:
+        """Return the Bayesian information criterion: lower is better, 10 is decisive.
+
+        Parameters
+        ----------
+        effective : mapping of str to float
+            What the samples of each channel are worth; the same for all that are compared.
+        """
+        misfit = sum(
+            worth * float(np.log(self.rms_of(channel) ** 2))
+            for channel, worth in effective.items()
         )
+        return misfit + self.unknowns * float(np.log(sum(effective.values()))) + self.penalty
 
 
 def fit(
@@ -157,13 +181,32 @@ def fit(
     vector = np.asarray(best.begin) / best.units
     # Twice: the weights, and with them the intervals, follow from the misfit that is left.
     for _ in range(2):
-        residuals = best.residuals(vector)
-        effective = sum(effective_samples(r) for r in residuals)
-        size = sum(len(r) for r in residuals)
-        rms = float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
-        best.scale = max(rms, best.resolution) * float(np.sqrt(size / effective))
+        best.scale = _scales(best, vector)
         vector = _solve(best, vector, hypothesis)
     return _summary(hypothesis, best, vector, fixed)
+
+
+def rms(residuals: Sequence[Array]) -> float:
+    """Return the root mean square of several residuals together.
+
+    Parameters
+    ----------
+    residuals : sequence of array
+        In one unit.
+    """
+    return float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
+
+
+def _scales(problem: Problem, vector: Array) -> dict[str, float]:
+    """Return what one residual of each channel counts as one standard deviation."""
+    residuals, scales = problem.residuals(vector), {}
+    for channel in dict.fromkeys(problem.channels):
+        parts = [r for r, c in zip(residuals, problem.channels, strict=True) if c == channel]
+        size, worth = sum(len(r) for r in parts), sum(effective_samples(r) for r in parts)
+        scales[channel] = max(rms(parts), problem.resolution(channel)) * float(
+            np.sqrt(size / worth)
+        )
+    return scales
 
 
 def _best_start(problems: list[Problem]) -> Problem:
@@ -207,6 +250,10 @@ def _solve(problem: Problem, vector: Array, hypothesis: Hypothesis) -> Array:
 def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Values | None) -> Fit:
     residuals = problem.residuals(vector)
     everything = np.concatenate(residuals)
+    effective: dict[str, float] = {}
+    for channel, part in zip(problem.channels, residuals, strict=True):
+        effective[channel] = effective.get(channel, 0.0) + effective_samples(part)
+    finest = {channel: problem.resolution(channel) for channel in effective}
     jacobian = problem.jacobian
     if jacobian is None:
         jacobian = np.zeros((len(everything), len(vector)))
@@ -226,10 +273,12 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         shared,
         intervals,
         tuple({k: v[k] for k in own} for v, own in zip(values, keys, strict=True)),
+        problem.channels,
         tuple(residuals),
-        max(float(np.sqrt(np.mean(everything**2))), problem.resolution),
+        max(rms(residuals), *finest.values()),
         len(everything),
-        float(sum(effective_samples(r) for r in residuals)),
+        effective,
+        finest,
         len(problem.unknowns),
         float(np.sum(problem.distance(vector) ** 2)),
         jacobian[: len(everything)],

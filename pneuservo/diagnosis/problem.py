@@ -1,8 +1,8 @@
 """The least-squares problem behind a fit: unknowns, starts, bounds and residuals."""
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,8 +28,8 @@ class Problem:
         Unknowns of each recording alone.
     begin : (m,) array, optional
         Where the fit begins, where that is not the unknowns' start [SI].
-    scale : float, optional
-        What one residual counts as one standard deviation [SI].
+    scale : mapping of str to float, optional
+        What one residual counts as one standard deviation, by channel [unit of the channel].
     jacobian : (n, m) array, optional
         Sensitivities at the solution, once there is one.
     """
@@ -39,7 +39,7 @@ class Problem:
     shared: list[Unknown]
     own: list[list[Unknown]]
     begin: Array | None = None
-    scale: float = 1.0
+    scale: Mapping[str, float] = field(default_factory=dict)
     jacobian: Array | None = None
 
     def __post_init__(self) -> None:
@@ -53,9 +53,13 @@ class Problem:
             self.begin = self.start
 
     @property
-    def resolution(self) -> float:
-        """Return the residual below which a fit is perfect [SI]."""
-        return max(resolution(case.measured) for case in self.cases)
+    def channels(self) -> tuple[str, ...]:
+        """Return the judged channel of each case."""
+        return tuple(case.channel for case in self.cases)
+
+    def resolution(self, channel: str) -> float:
+        """Return the residual below which the fit of a channel is perfect [its unit]."""
+        return max(resolution(case.measured) for case in self.cases if case.channel == channel)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -91,7 +95,12 @@ class Problem:
 
     def cost_vector(self, vector: Array) -> Array:
         """Return everything the optimiser squares and sums."""
-        residual = np.concatenate(self.residuals(vector)) / self.scale
+        residual = np.concatenate(
+            [
+                part / self.scale.get(channel, 1.0)
+                for part, channel in zip(self.residuals(vector), self.channels, strict=True)
+            ]
+        )
         bounded = np.nan_to_num(residual, nan=1e9, posinf=1e9, neginf=-1e9)
         return np.concatenate([bounded, self.distance(vector)])
 

@@ -120,9 +120,8 @@ class Search:
         Where it was not stated it is the floor of the channel or of what the baseline leaves,
         whichever is lower: what the baseline explains, a jump for example, is no noise.
         """
-        channel = self.model.channel
         return [
-            case.recording.noise_rms.get(channel)
+            case.recording.noise_rms.get(case.channel, 0.0) / case.scale
             or max(
                 min(case.noise_rms, noise_floor(residual, case.recording.time[case.usable])),
                 resolution(case.measured),

@@ -33,7 +33,7 @@ def not_visible(search: Search) -> list[dict[str, str]]:
     """
     chosen = search.chosen
     basis = np.linalg.qr(chosen.jacobian)[0] if chosen.jacobian.size else None
-    spread = chosen.rms * float(np.sqrt(chosen.samples / chosen.effective))
+    spread = chosen.rms * float(np.sqrt(chosen.samples / chosen.all_effective))
     hidden = []
     for effect in search.model.effects:
         if effect.id in search.accepted or not _compatible(search, effect):

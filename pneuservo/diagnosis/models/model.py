@@ -1,7 +1,7 @@
 """What every model of the diagnosis offers."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -55,7 +55,11 @@ class Case:
     inputs : mapping of str to array or float
         Whatever else the model needs, worked out once.
     noise_rms : float
-        Noise of the judged channel [SI].
+        Noise of the judged channel, in the unit of `measured`.
+    channel, unit : str
+        The judged channel and its SI unit.
+    scale : float
+        What `measured` counts as one [SI]; 1 where the model has a single channel.
     """
 
     recording: Recording
@@ -64,10 +68,16 @@ class Case:
     noise_rms: float
     rig: Rig
     usable: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, dtype=bool))
+    channel: str = ""
+    unit: str = ""
+    scale: float = 1.0
 
 
 class Model:
-    """A chain of blocks that turns measured inputs into the judged channel.
+    """A chain of blocks that turns measured inputs into the judged channel or channels.
+
+    A model with several channels prepares one case per recording and channel, each counted in
+    its own noise, so that they can be put in one sum of squares.
 
     A model takes a flat mapping of values: rig parameters by id, effect parameters as
     ``effect:parameter``, and its own nuisances, which differ from recording to recording.
@@ -104,6 +114,11 @@ class Model:
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording as this model needs it."""
         raise NotImplementedError
+
+    def cases(self, recording: Recording, rig: Rig) -> list[Case]:
+        """Return the recording once per judged channel."""
+        case = self.prepare(recording, rig)
+        return [replace(case, channel=self.channel, unit=self.unit)]
 
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return the rig parameters that a refit of the baseline may move."""
