@@ -2,9 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
-from analog_card.design import AMPLIFIERS, Design, DifferentiatorParts
+from analog_card.design import (
+    AMPLIFIER_FIGURES,
+    AMPLIFIERS,
+    Design,
+    DifferentiatorParts,
+    OperationalAmplifier,
+    Turned,
+)
+from analog_card.design_tolerances import REFERENCE_TEMPERATURE
 
 CHANNEL = "xone"
 
@@ -32,6 +40,38 @@ POTENTIOMETERS = {
     "P2": "xsurface.xvelocity.xpotentiometer",
     "P3": "xboundary.xpotentiometer",
     "P4": "xlimiter.xpotentiometer",
+}
+_SETTINGS = dict(zip(POTENTIOMETERS, (item.name for item in fields(Turned)), strict=True))
+# Where in `analog_card.design.Soldered` the value of an element and of a track is.
+PARTS = {
+    f"{place}.{element}": (f"{stage}_differentiator", part)
+    for stage, place in DIFFERENTIATORS.items()
+    for element, part in (
+        ("cinput", "capacitance"),
+        ("rfeedback", "resistance"),
+        ("rseries", "series_resistance"),
+        ("cfeedback", "feedback_capacitance"),
+    )
+} | {
+    "xdifference.rdisplacement": ("difference_amplifier", "resistance"),
+    "xdifference.rground": ("difference_amplifier", "resistance"),
+    "xdifference.rdemand": ("difference_amplifier", "resistance"),
+    "xdifference.rfeedback": ("difference_amplifier", "resistance"),
+    "xinverter.rinput": ("inverter", "resistance"),
+    "xinverter.rfeedback": ("inverter", "resistance"),
+    "xsurface.xdisplacement.rinput": ("surface_amplifier", "displacement_resistance"),
+    "xsurface.xvelocity.rinput": ("surface_amplifier", "velocity_resistance"),
+    "xsurface.racceleration": ("surface_amplifier", "acceleration_resistance"),
+    "xsurface.rfeedback": ("surface_amplifier", "feedback_resistance"),
+    "xboundary.rground": ("boundary_layer_amplifier", "ground_resistance"),
+    "xboundary.rfeedback": ("boundary_layer_amplifier", "feedback_resistance"),
+    "xlimiter.rclamp": ("output_limiter", "clamp_resistance"),
+}
+TRACKS = {
+    "P1": ("surface_amplifier", "displacement_potentiometer"),
+    "P2": ("surface_amplifier", "velocity_potentiometer"),
+    "P3": ("boundary_layer_amplifier", "potentiometer"),
+    "P4": ("output_limiter", "potentiometer"),
 }
 ZENERS = ("xlimiter.dupper[bv]", "xlimiter.dlower[bv]")
 # The feedback of the boundary-layer amplifier closed by its jumper, and opened for the relay.
@@ -68,7 +108,23 @@ def offset_name(amplifier: str) -> str:
     return f"{PLACES[amplifier]}.xamplifier.xcore.voffset"
 
 
-def nominal_elements(design: Design, relay: bool = False) -> dict[str, float]:
+def figure_name(amplifier: str, figure: str) -> str:
+    """Return the name of a figure of one op-amp among the elements."""
+    return f"{PLACES[amplifier]}.xamplifier[{figure}]"
+
+
+def amplifier_figures(
+    amplifier: str, elements: Elements, nominal: OperationalAmplifier
+) -> OperationalAmplifier:
+    """Return the figures of one op-amp; those not among the elements are the nominal ones."""
+    names = {figure: figure_name(amplifier, figure) for figure in AMPLIFIER_FIGURES}
+    found = {figure: elements[name] for figure, name in names.items() if name in elements}
+    return replace(nominal, **found)
+
+
+def nominal_elements(
+    design: Design, relay: bool = False, temperature: float = REFERENCE_TEMPERATURE
+) -> dict[str, float]:
     """Return the values of all elements of a channel that its behaviour depends on.
 
     Parameters
@@ -77,12 +133,14 @@ def nominal_elements(design: Design, relay: bool = False) -> dict[str, float]:
         The card.
     relay : bool, optional
         Whether the feedback of the boundary-layer amplifier is opened.
+    temperature : float, optional
+        Of the card [K].
 
     Returns
     -------
     dict of str to float
         Values in SI by the names of the elements in ``netlists/stages/channel.lib``, without the
-        name of the channel.
+        name of the channel; figures of an op-amp in brackets behind its name.
 
     Examples
     --------
@@ -90,47 +148,27 @@ def nominal_elements(design: Design, relay: bool = False) -> dict[str, float]:
     >>> nominal_elements(load_design())["xtaps.xvelocity.rfeedback"]
     120000.0
     """
-    parts, turned = design.soldered, design.turned
-    surface, layer, limiter = (
-        parts.surface_amplifier,
-        parts.boundary_layer_amplifier,
-        parts.output_limiter,
-    )
-    values = {
-        offset_name(name): parts.operational_amplifier.input_offset_voltage for name in AMPLIFIERS
-    }
+    warmer = temperature - REFERENCE_TEMPERATURE
+    amplifier = design.soldered.operational_amplifier
+    offset = amplifier.input_offset_voltage + amplifier.offset_drift * warmer
+    values = {offset_name(name): offset for name in AMPLIFIERS}
+    for name in AMPLIFIERS:
+        values |= {figure_name(name, each): getattr(amplifier, each) for each in AMPLIFIER_FIGURES}
+    for name, (section, part) in PARTS.items():
+        value = getattr(getattr(design.soldered, section), part)
+        values[name] = value * design.part_tolerance(section, part).drift(temperature)
+    values["xboundary.rlink"] = LINK_OPEN if relay else LINK_CLOSED
     for stage, place in DIFFERENTIATORS.items():
-        stage_parts = getattr(parts, f"{stage}_differentiator")
-        values |= {
-            f"{place}.cinput": stage_parts.capacitance,
-            f"{place}.rfeedback": stage_parts.resistance,
-            f"{place}.rseries": stage_parts.series_resistance,
-            f"{place}.cfeedback": stage_parts.feedback_capacitance,
-            f"{place}.rbias": stage_parts.bias_resistance,
-        }
-    for name in ("rdisplacement", "rground", "rdemand", "rfeedback"):
-        values[f"xdifference.{name}"] = parts.difference_amplifier.resistance
-    for name in ("rinput", "rfeedback"):
-        values[f"xinverter.{name}"] = parts.inverter.resistance
-    values |= {
-        "xsurface.xdisplacement.rinput": surface.displacement_resistance,
-        "xsurface.xvelocity.rinput": surface.velocity_resistance,
-        "xsurface.racceleration": surface.acceleration_resistance,
-        "xsurface.rfeedback": surface.feedback_resistance,
-        "xboundary.rground": layer.ground_resistance,
-        "xboundary.rfeedback": layer.feedback_resistance,
-        "xboundary.rlink": LINK_OPEN if relay else LINK_CLOSED,
-        "xlimiter.rclamp": limiter.clamp_resistance,
-    }
-    for zener in ZENERS:
-        values[zener] = zener_voltage(design)
-    for name, track, position in (
-        ("P1", surface.displacement_potentiometer, turned.displacement_weight),
-        ("P2", surface.velocity_potentiometer, turned.velocity_weight),
-        ("P3", layer.potentiometer, turned.boundary_layer),
-        ("P4", limiter.potentiometer, turned.level),
-    ):
-        place = POTENTIOMETERS[name]
+        resistance = getattr(design.soldered, f"{stage}_differentiator").bias_resistance
+        values[f"{place}.rbias"] = resistance * design.tolerances.resistor.drift(temperature)
+    zener = design.tolerances.zener
+    breakdown = zener_voltage(design) * (1 + zener.temperature_coefficient * warmer)
+    # One of the pair breaks down, the other conducts: both drifts are put into the first.
+    values |= dict.fromkeys(ZENERS, breakdown + zener.forward_drift * warmer)
+    for name, (section, part) in TRACKS.items():
+        track = getattr(getattr(design.soldered, section), part)
+        track *= design.part_tolerance(section, part).drift(temperature)
+        position, place = getattr(design.turned, _SETTINGS[name]), POTENTIOMETERS[name]
         values[f"{place}.rupper"] = max(track * (1 - position), _LEAST_TRACK)
         values[f"{place}.rlower"] = max(track * position, _LEAST_TRACK)
     return values

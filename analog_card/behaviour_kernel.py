@@ -103,14 +103,14 @@ def _back_step(
     target = card.comparator_gain * (state[SURFACE] + card.comparator_offset)
     place = COMPARATOR + _TARGETS
     after = _lagged(state[COMPARATOR], state[place], target, decay[4], share[4])
-    most = card.slew_rate * card.duration[level]
+    most = card.slew_rates[2] * card.duration[level]
     after = state[COMPARATOR] + min(max(after - state[COMPARATOR], -most), most)
     state[COMPARATOR] = _clip(after, card.comparator_swing)
     state[place] = target
 
     target = card.fraction * clamped_voltage(state[COMPARATOR], card) + card.control_offset
     place = CONTROL + _TARGETS
-    state[CONTROL] = _lagged(state[CONTROL], state[place], target, decay[0], share[0])
+    state[CONTROL] = _lagged(state[CONTROL], state[place], target, decay[5], share[5])
     state[place] = target
 
 
@@ -160,7 +160,7 @@ def rest(transducer: float, demand: float, card: CardNumbers, state: Numbers) ->
         Written. The differentiators are to hold their state at rest for 0 V at the buffer.
     """
     front = np.empty(EXTENDED)
-    wanted = card.buffer_gain * demand + card.demand_offset
+    wanted = card.demand_gain * demand + card.demand_offset
     _load_front(state, transducer, 0.0, 0.0, card, front)
     # At rest all of the displacement lies across the input capacitor.
     state[INPUT_1] += front[DISPLACEMENT]
@@ -208,7 +208,7 @@ def advance_card(
     """
     front, trial = work[0], work[1]
     _load_front(state, transducer, rate, second_rate, card, front)
-    wanted = card.buffer_gain * demand + card.demand_offset
+    wanted = card.demand_gain * demand + card.demand_offset
     # A demand that has jumped does so at the start of the step.
     state[DEVIATION + _TARGETS] = (
         card.difference[0] * front[DISPLACEMENT] + card.difference[1] * wanted + card.difference[2]
@@ -236,9 +236,9 @@ def advance_card(
             first_after, second_after = modes_of(trial, card)
         first, second = first_after, second_after
         if abs(first) == SATURATED:
-            hold(trial, AMPLIFIER_1, card.demanded[0], card)
+            hold(trial, AMPLIFIER_1, 0, card)
         if abs(second) == SATURATED:
-            hold(trial, AMPLIFIER_2, card.demanded[1], card)
+            hold(trial, AMPLIFIER_2, 1, card)
         for i in range(EXTENDED):
             front[i] = trial[i]
         before = state[CONTROL]

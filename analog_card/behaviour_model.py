@@ -65,7 +65,8 @@ def kernel_numbers(stages: Stages, step: float) -> CardNumbers:
         taps=taps,
         decay=decay,
         share=lags / durations[:, None],
-        buffer_gain=float(stages.buffer_gain),
+        buffer_gain=float(stages.buffer_gains[0]),
+        demand_gain=float(stages.buffer_gains[1]),
         buffer_lag=float(lags[0]),
         buffer_offset=float(stages.buffer_offsets[0]),
         demand_offset=float(stages.buffer_offsets[1]),
@@ -74,11 +75,11 @@ def kernel_numbers(stages: Stages, step: float) -> CardNumbers:
         surface=stages.surface,
         comparator_gain=float(stages.comparator_gain),
         comparator_offset=float(stages.comparator_offset),
-        swing=stages.swing,
+        swings=stages.swings,
         rate_swing=stages.rate_swing,
         surface_swing=stages.surface_swing,
         comparator_swing=stages.comparator_swing,
-        slew_rate=float(stages.slew_rate),
+        slew_rates=stages.slew_rates,
         clamped=stages.limiter.clamped,
         clamped_to=HIGHEST,
         clamped_step=STEP,
@@ -135,7 +136,7 @@ def rest_voltages(stages: Stages, transducer: float, demand: float) -> dict[str,
     front = slice(places.FRONT)
     at_rest = np.linalg.solve(generator[front, front], -generator[front, places.ONE])
     first, second = taps[:, front] @ at_rest + taps[:, places.ONE]
-    inputs = stages.buffer_gain * np.array([transducer, demand]) + stages.buffer_offsets
+    inputs = stages.buffer_gains * np.array([transducer, demand]) + stages.buffer_offsets
     deviation = stages.difference[:2] @ inputs + stages.difference[2]
     rate = stages.inverter[0] * first + stages.inverter[1]
     surface = stages.surface[:3] @ [deviation, rate, second] + stages.surface[3]
@@ -229,7 +230,7 @@ def stage_responses(behaviour: CardBehaviour, frequency: np.ndarray) -> dict[str
     reached = np.linalg.solve(resolvent, column[None])[..., 0]
     tap = reached @ taps[:, front].T + taps[:, places.DISPLACEMENT]
     return {
-        "buffer": stages.buffer_gain * lag[:, 0],
+        "buffer": stages.buffer_gains[0] * lag[:, 0],
         "first": tap[:, 0],
         "second": tap[:, 1] / tap[:, 0],
         "difference from displacement": stages.difference[0] * lag[:, 1],
@@ -240,14 +241,14 @@ def stage_responses(behaviour: CardBehaviour, frequency: np.ndarray) -> dict[str
         "surface from acceleration": stages.surface[2] * lag[:, 3],
         "boundary layer": stages.comparator_gain * lag[:, 4],
         "limiter": np.full(len(s), stages.limiter.division, complex),
-        "control": stages.limiter.fraction * lag[:, 0],
+        "control": stages.limiter.fraction * lag[:, 5],
     }
 
 
 def _extended(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
     """Return rates of the extended front state while all is linear, and the taps."""
     rates, outputs = circuit_equations(
-        stages.velocity, stages.acceleration, stages.amplifier, stages.loads
+        stages.velocity, stages.acceleration, stages.differentiator_amplifiers, stages.loads
     )
     constant = np.concatenate([[0.0], stages.differentiator_offsets])
     generator = np.zeros((places.EXTENDED, places.EXTENDED))
@@ -256,11 +257,11 @@ def _extended(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
         table[: len(rows), : places.FRONT] = rows[:, : places.FRONT]
         table[: len(rows), places.DISPLACEMENT] = rows[:, places.FRONT]
         table[: len(rows), places.ONE] = rows[:, places.FRONT :] @ constant
-    for place, parts in (
-        (places.FEEDBACK_1, stages.velocity),
-        (places.FEEDBACK_2, stages.acceleration),
+    for place, parts, current in (
+        (places.FEEDBACK_1, stages.velocity, stages.bias_currents[0]),
+        (places.FEEDBACK_2, stages.acceleration, stages.bias_currents[1]),
     ):
-        generator[place, places.ONE] -= stages.bias_current / parts.feedback_capacitance
+        generator[place, places.ONE] -= current / parts.feedback_capacitance
     generator[places.DISPLACEMENT, places.VELOCITY] = 1.0
     generator[places.VELOCITY, places.ACCELERATION] = 1.0
     return generator, taps

@@ -10,6 +10,8 @@ from typing import Any, get_type_hints
 import tomli_w
 
 from analog_card.design import Design
+from analog_card.design_fields import require_allowed
+from analog_card.design_tolerances import PartTolerance
 from analog_card.errors import InputError
 from analog_card.netlist_text import nearest
 from analog_card.quantities import as_text, to_si
@@ -49,15 +51,17 @@ def load_design(path: str | Path | None = None) -> Design:
     if path is not None:
         where = str(path)
         content = _overlaid(content, _parsed(Path(path)), _shape(Design), where)
-    sources: dict[str, str] = {}
+    notes: dict[str, dict[str, Any]] = {}
     title = content.get("title", "")
     if not isinstance(title, str):
         raise InputError(f"{where}: title is {title!r}, a text is needed")
     sections = {
-        name: _read(kind, content[name], where, name, sources)
+        name: _read(kind, content[name], where, name, notes)
         for name, kind in _shape(Design).items()
     }
-    return Design(title=title, sources=sources, **sections)
+    sources = {name: note.pop("source") for name, note in notes.items() if "source" in note}
+    own = {name.removeprefix("soldered."): note for name, note in notes.items() if note}
+    return Design(title=title, own_tolerances=own, sources=sources, **sections)
 
 
 def design_to_toml(design: Design) -> str:
@@ -73,9 +77,19 @@ def design_to_toml(design: Design) -> str:
     str
         TOML, each value with its unit and, where known, its source.
     """
-    blocks = [_entry("title", design.title)]
+    notes: dict[str, dict[str, str | float]] = {
+        f"soldered.{name}": {
+            item.name: _written(own[item.name], item.metadata["unit"])
+            for item in fields(PartTolerance)
+            if item.name in own
+        }
+        for name, own in design.own_tolerances.items()
+    }
+    for name, source in design.sources.items():
+        notes.setdefault(name, {})["source"] = source
+    blocks = [_entry("title", design.title, {})]
     for name in _shape(Design):
-        blocks.extend(_blocks(getattr(design, name), name, design.sources))
+        blocks.extend(_blocks(getattr(design, name), name, notes))
     return "\n\n".join(blocks) + "\n"
 
 
@@ -114,64 +128,76 @@ def _overlaid(
     return result
 
 
-def _read(kind: Any, content: Any, where: str, path: str, sources: dict[str, str]) -> Any:
+def _read(kind: Any, content: Any, where: str, path: str, notes: dict[str, dict[str, Any]]) -> Any:
     sections = _shape(kind)
     values = {}
     for item in fields(kind):
         name = f"{path}.{item.name}"
         if item.name in sections:
             section = sections[item.name]
-            values[item.name] = _read(section, content[item.name], where, name, sources)
+            values[item.name] = _read(section, content[item.name], where, name, notes)
         else:
-            values[item.name] = _value(content[item.name], item, where, name, sources)
-    return kind(**values)
+            values[item.name] = _value(content[item.name], item, where, name, notes)
+    try:
+        return kind(**values)
+    except InputError as problem:
+        raise InputError(f"{where}: {path}: {problem}") from problem
 
 
-def _value(found: Any, item: "Field[Any]", where: str, name: str, sources: dict[str, str]) -> float:
+def _value(
+    found: Any, item: "Field[Any]", where: str, name: str, notes: dict[str, dict[str, Any]]
+) -> float:
+    """Return a value in SI; what stands beside it in its table goes to the notes."""
     if isinstance(found, Mapping):
-        for key in found.keys() - {"value", "source"}:
-            raise InputError(
-                f"{where}: unknown name {f'{name}.{key}'!r}{nearest(key, ['value', 'source'])}"
-            )
+        # Parts whose spread matters may have a tolerance of their own.
+        own = {each.name: each for each in fields(PartTolerance)} if item.metadata["kind"] else {}
+        allowed = ["value", "source", *own]
+        for key in found.keys() - set(allowed):
+            raise InputError(f"{where}: unknown name {f'{name}.{key}'!r}{nearest(key, allowed)}")
         if "value" not in found:
             raise InputError(f"{where}: {name} has no value")
+        note: dict[str, Any] = {
+            key: _number(found[key], each, f"{where}: {name}.{key}")
+            for key, each in own.items()
+            if key in found
+        }
         if "source" in found:
-            sources[name] = str(found["source"])
+            note["source"] = str(found["source"])
+        notes[name] = note
         found = found["value"]
-    number = to_si(found, item.metadata["unit"], f"{where}: {name}")
-    allowed = {
-        "positive": number > 0,
-        "not negative": number >= 0,
-        "any": True,
-        "fraction": 0 <= number <= 1,
-    }
-    if not allowed[item.metadata["allowed"]]:
-        needed = (
-            "a fraction of travel, 0 to 1,"
-            if item.metadata["allowed"] == "fraction"
-            else (f"a {item.metadata['allowed']} value")
-        )
-        raise InputError(f"{where}: {name} is {found!r}, {needed} is needed")
+    return _number(found, item, f"{where}: {name}")
+
+
+def _number(found: Any, item: "Field[Any]", what: str) -> float:
+    number = to_si(found, item.metadata["unit"], what)
+    require_allowed(number, item.metadata, what, found)
     return number
 
 
-def _blocks(section: Any, path: str, sources: Mapping[str, str]) -> list[str]:
+def _blocks(section: Any, path: str, notes: Mapping[str, Mapping[str, str | float]]) -> list[str]:
     """Return the text of a section and of the sections in it."""
     inner = _shape(type(section))
     lines = []
     for item in fields(section):
         if item.name not in inner:
             value, unit = getattr(section, item.name), item.metadata["unit"]
-            source = sources.get(f"{path}.{item.name}")
-            lines.append(_entry(item.name, as_text(value, unit) if unit else value, source))
+            note = notes.get(f"{path}.{item.name}", {})
+            lines.append(_entry(item.name, _written(value, unit), note))
     blocks = ["\n".join([f"[{path}]", *lines])] if lines else []
     for name in inner:
-        blocks.extend(_blocks(getattr(section, name), f"{path}.{name}", sources))
+        blocks.extend(_blocks(getattr(section, name), f"{path}.{name}", notes))
     return blocks
 
 
-def _entry(name: str, value: str | float, source: str | None = None) -> str:
-    if source is None:
+def _written(value: float, unit: str) -> str | float:
+    if not unit:
+        return value
+    # A prefix would go to the kelvin: 50 1/MK.
+    return f"{value * 1e6:.12g} ppm/K" if unit == "1/K" else as_text(value, unit)
+
+
+def _entry(name: str, value: str | float, note: Mapping[str, str | float]) -> str:
+    if not note:
         return tomli_w.dumps({name: value}).strip()
-    inline = tomli_w.dumps({"value": value, "source": source}).strip().replace("\n", ", ")
+    inline = tomli_w.dumps({"value": value, **note}).strip().replace("\n", ", ")
     return f"{name} = {{ {inline} }}"

@@ -137,7 +137,7 @@ def differentiator_pair(design: Design, finite_bandwidth: bool = True) -> Differ
     parts = design.soldered
     first, second = parts.velocity_differentiator, parts.acceleration_differentiator
     if finite_bandwidth:
-        rates, taps = circuit_equations(first, second, parts.operational_amplifier)
+        rates, taps = circuit_equations(first, second, (parts.operational_amplifier,) * 2)
     else:
         rates, taps = _ideal(first, second)
     states = len(rates)
@@ -177,7 +177,7 @@ def _ideal(
 def circuit_equations(
     first: DifferentiatorParts,
     second: DifferentiatorParts,
-    amplifier: OperationalAmplifier,
+    amplifiers: tuple[OperationalAmplifier, OperationalAmplifier],
     loads: tuple[float, float] = (math.inf, math.inf),
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the circuit of both stages with real op-amps, as rows of factors.
@@ -186,8 +186,8 @@ def circuit_equations(
     ----------
     first, second : DifferentiatorParts
         The two stages.
-    amplifier : OperationalAmplifier
-        Both op-amps.
+    amplifiers : tuple of OperationalAmplifier
+        Their op-amps.
     loads : tuple of float, optional
         What the taps feed beside the second stage, to ground [ohm].
 
@@ -199,25 +199,26 @@ def circuit_equations(
     taps : ndarray, shape (2, 9)
         Velocity and acceleration tap in the same terms.
     """
-    ro, gain = amplifier.output_resistance, amplifier.open_loop_gain
-    speed = 2 * math.pi * amplifier.gain_bandwidth
+    speed1, speed2 = (2 * math.pi * amplifier.gain_bandwidth for amplifier in amplifiers)
+    gain1, gain2 = (amplifier.open_loop_gain for amplifier in amplifiers)
+    ro1, ro2 = (amplifier.output_resistance for amplifier in amplifiers)
     vc1, vf1, va1, vc2, vf2, va2, vx, offset1, offset2 = np.eye(9)
     # Each output with its load: a source of k va behind k Ro.
-    k1, k2 = (1 / (1 + ro / load) for load in loads)
+    k1, k2 = 1 / (1 + ro1 / loads[0]), 1 / (1 + ro2 / loads[1])
     i1, i2 = np.linalg.solve(
         [
-            [first.series_resistance + k1 * ro, -k1 * ro],
-            [-k1 * ro, second.series_resistance + (k1 + k2) * ro],
+            [first.series_resistance + k1 * ro1, -k1 * ro1],
+            [-k1 * ro1, second.series_resistance + k1 * ro1 + k2 * ro2],
         ],
         [vx - vc1 - vf1 - k1 * va1, k1 * va1 - vc2 - vf2 - k2 * va2],
     )
-    v1, v2 = k1 * (va1 + ro * (i1 - i2)), k2 * (va2 + ro * i2)
+    v1, v2 = k1 * (va1 + ro1 * (i1 - i2)), k2 * (va2 + ro2 * i2)
     rates = [
         i1 / first.capacitance,
         (i1 - vf1 / first.resistance) / first.feedback_capacitance,
-        speed * (offset1 - vf1 - v1 - va1 / gain),
+        speed1 * (offset1 - vf1 - v1 - va1 / gain1),
         i2 / second.capacitance,
         (i2 - vf2 / second.resistance) / second.feedback_capacitance,
-        speed * (offset2 - vf2 - v2 - va2 / gain),
+        speed2 * (offset2 - vf2 - v2 - va2 / gain2),
     ]
     return np.array(rates), np.array([v1, v2])

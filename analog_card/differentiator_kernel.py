@@ -39,10 +39,11 @@ class CardNumbers(NamedTuple):
     taps: Numbers
     """Outputs of the differentiators, shape (2, 12)."""
     decay: Numbers
-    """What a lag keeps over a step, by level and lag, shape (3, 5)."""
+    """What a lag keeps over a step, by level and lag, shape (3, 6)."""
     share: Numbers
     """Time constant of a lag over the step, likewise."""
     buffer_gain: float
+    demand_gain: float
     buffer_lag: float
     buffer_offset: float
     demand_offset: float
@@ -51,11 +52,13 @@ class CardNumbers(NamedTuple):
     surface: Numbers
     comparator_gain: float
     comparator_offset: float
-    swing: Numbers
+    swings: Numbers
+    """Lowest and highest voltage inside the op-amps of the differentiators, shape (2, 2) [V]."""
     rate_swing: Numbers
     surface_swing: Numbers
     comparator_swing: Numbers
-    slew_rate: float
+    slew_rates: Numbers
+    """Of the op-amps of the differentiators and of the boundary-layer amplifier [V/s]."""
     clamped: Numbers
     """Clamped voltage for inputs from -`clamped_to` on, equally spaced [V]."""
     clamped_to: float
@@ -86,7 +89,7 @@ def _clamp_voltage(rate: float, slew_rate: float) -> float:
 
 @compiled
 def _saturated_output(
-    output: float, demanded: float, place: int, card: CardNumbers, row: Numbers
+    output: float, demanded: float, feedback: float, swing: Numbers, slew_rate: float
 ) -> float:
     """Return where an op-amp that drives against its swing stands, and its clamp with it.
 
@@ -95,10 +98,9 @@ def _saturated_output(
     the difference is negative, come down to the solution.
     """
     sign = 1.0 if demanded > 0.0 else -1.0
-    limit = card.swing[1] if demanded > 0.0 else -card.swing[0]
-    feedback = -row[place]
+    limit = swing[1] if demanded > 0.0 else -swing[0]
     excess = sign * output + sign * demanded / feedback - limit
-    full = card.slew_rate / feedback
+    full = slew_rate / feedback
     if excess >= full or math.isinf(full):
         return sign * limit
     u = 0.0
@@ -136,8 +138,8 @@ def step_differentiators(
     front: Numbers, first: int, second: int, level: int, card: CardNumbers, result: Numbers
 ) -> None:
     """Write the differentiators one step of a level later."""
-    front[RATE_1] = _drive(first, card.slew_rate)
-    front[RATE_2] = _drive(second, card.slew_rate)
+    front[RATE_1] = _drive(first, card.slew_rates[0])
+    front[RATE_2] = _drive(second, card.slew_rates[1])
     driven = (first != LINEAR) + 2 * (second != LINEAR)
     for i in range(FRONT):
         result[i] = product(card.solution[driven, level, i], front)
@@ -156,12 +158,29 @@ def step_differentiators(
 def modes_of(front: Numbers, card: CardNumbers) -> tuple[int, int]:
     """Return what the two op-amps do: 0, or with the sign of their rate slewing or saturated."""
     return (
-        _mode(front[AMPLIFIER_1], product(card.demanded[0], front), card.swing, card.slew_rate),
-        _mode(front[AMPLIFIER_2], product(card.demanded[1], front), card.swing, card.slew_rate),
+        _mode(
+            front[AMPLIFIER_1],
+            product(card.demanded[0], front),
+            card.swings[0],
+            card.slew_rates[0],
+        ),
+        _mode(
+            front[AMPLIFIER_2],
+            product(card.demanded[1], front),
+            card.swings[1],
+            card.slew_rates[1],
+        ),
     )
 
 
 @compiled
-def hold(front: Numbers, place: int, row: Numbers, card: CardNumbers) -> None:
-    """Put an op-amp that drives against its swing where it stands."""
-    front[place] = _saturated_output(front[place], product(row, front), place, card, row)
+def hold(front: Numbers, place: int, stage: int, card: CardNumbers) -> None:
+    """Put the op-amp of a differentiator that drives against its swing where it stands."""
+    row = card.demanded[stage]
+    front[place] = _saturated_output(
+        front[place],
+        product(row, front),
+        -row[place],
+        card.swings[stage],
+        card.slew_rates[stage],
+    )

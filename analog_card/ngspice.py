@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from analog_card.analyses import (
 from analog_card.errors import SimulationError
 from analog_card.netlist_elements import change_command, elements
 from analog_card.netlist_text import Netlist, read_netlist
-from analog_card.ngspice_words import with_places
+from analog_card.ngspice_words import located
 from analog_card.simulator import SIMULATOR, Simulator
 from analog_card.waveforms import Waveforms, noise_voltage
 
@@ -71,7 +71,7 @@ def run(
         When the netlist cannot be read, holds something other than a circuit, or has no
         parameter of a name given.
     SimulationError
-        When ngspice failed, in its own words, with the file and line it means.
+        When ngspice failed, with its own words and the file, line and node it means.
 
     Examples
     --------
@@ -264,26 +264,40 @@ def _asked(
     lines = [line.text for line in source.lines] if send else None
     try:
         header, found = simulator.ask(lines, analysis.command, time_limit, changes, keep)
-        vectors = {_node_name(name): values for name, values in found.items()}
-        if "failure" in header:
-            raise SimulationError(_in_its_own_words(source, header))
-        if isinstance(analysis, Transient):
-            _require_end(analysis, vectors["time"])
     except SimulationError as problem:
-        raise SimulationError(f"{source.path}: {problem}") from problem
+        raise SimulationError(
+            f"{source.path}: {problem}", words=problem.words, file=source.path
+        ) from problem
+    vectors = {_node_name(name): values for name, values in found.items()}
+    if "failure" in header:
+        raise _failure(source, header["words"], header["failure"])
+    if isinstance(analysis, Transient):
+        _require_end(source, analysis, vectors["time"], header["words"])
     return Waveforms(source.path, vectors, tuple(header["words"]))
 
 
-def _in_its_own_words(source: Netlist, header: Mapping[str, Any]) -> str:
-    return with_places(source, header["words"]) if header["words"] else str(header["failure"])
+def _failure(source: Netlist, words: Sequence[str], otherwise: str) -> SimulationError:
+    """Return what ngspice said about a netlist, or else what is to be said of it."""
+    place = located(source, words)
+    return SimulationError(
+        f"{source.path}: {place.text or otherwise}",
+        words=words,
+        file=place.line.file if place.line else source.path,
+        line=place.line.number if place.line else None,
+        node=place.node,
+    )
 
 
-def _require_end(analysis: Transient, time: np.ndarray) -> None:
+def _require_end(
+    source: Netlist, analysis: Transient, time: np.ndarray, words: Sequence[str]
+) -> None:
     # What an aborted run has computed so far stays readable.
     reached = float(time[-1]) if time.size else 0.0
     if reached < analysis.stop * (1 - 1e-9):
         raise SimulationError(
-            f"the transient ended at {reached:g} s, asked was {analysis.stop:g} s"
+            f"{source.path}: the transient ended at {reached:g} s, asked was {analysis.stop:g} s",
+            words=words,
+            file=source.path,
         )
 
 

@@ -14,7 +14,11 @@ import contextlib
 import json
 import logging
 import os
+import shutil
+import signal
 import sys
+import threading
+import time
 from collections.abc import Callable
 from typing import Any, BinaryIO
 
@@ -24,6 +28,9 @@ from PySpice.Spice.NgSpice.Shared import NgSpiceShared
 from analog_card.errors import SimulationError
 from analog_card.library import ngspice_library
 from analog_card.ngspice_words import is_chatter, is_failure
+
+# How often to look whether the program that started this one is still there [s].
+_WATCH = 0.5
 
 
 class DetachedError(Exception):
@@ -145,7 +152,7 @@ def send(reply: BinaryIO, header: dict[str, Any], values: bytes = b"") -> None:
 
 
 def main(empty_folder: str) -> None:
-    """Answer requests until standard input ends."""
+    """Answer requests until standard input ends, then remove the folder this ran in."""
     # ngspice prints where it likes: keep the reply stream for replies alone.
     reply = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -155,6 +162,31 @@ def main(empty_folder: str) -> None:
     # shell commands included: go where there is none.
     os.environ["HOME"] = empty_folder
     os.chdir(empty_folder)
+    _end_with_parent(empty_folder)
+    try:
+        serve(reply)
+    finally:
+        # A worker of a process pool ends without its exit handlers: nobody else would do it.
+        shutil.rmtree(empty_folder, ignore_errors=True)
+
+
+def _end_with_parent(folder: str) -> None:
+    """Have this process end when the program that started it has, also while ngspice computes."""
+    # A termination of the whole group ends that program, and this one by it, tidily.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_WATCH)
+        shutil.rmtree(folder, ignore_errors=True)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def serve(reply: BinaryIO) -> None:
+    """Start ngspice and answer requests until standard input ends or it is of no more use."""
     try:
         instance = Instance()
     except Exception as problem:  # the parent process has to hear of anything at all

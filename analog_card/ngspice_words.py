@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from analog_card.netlist_elements import elements
 from analog_card.netlist_text import Line, Netlist
@@ -45,8 +46,28 @@ def is_chatter(line: str) -> bool:
     return bool(_CHATTER.match(line))
 
 
-def with_places(netlist: Netlist, words: Sequence[str]) -> str:
-    """Return what ngspice said about a netlist, with file, line and node where they are known.
+@dataclass(frozen=True)
+class Located:
+    """What ngspice said about a netlist, and where.
+
+    Attributes
+    ----------
+    text : str
+        Its words with line numbers turned into files and lines; the node or the place that it
+        means in front, when its words name an element or repeat a line.
+    line : Line or None
+        The line that it means.
+    node : str or None
+        The node or branch that it names.
+    """
+
+    text: str
+    line: Line | None
+    node: str | None
+
+
+def located(netlist: Netlist, words: Sequence[str]) -> Located:
+    """Find the line and the node that ngspice means.
 
     Parameters
     ----------
@@ -57,21 +78,26 @@ def with_places(netlist: Netlist, words: Sequence[str]) -> str:
 
     Returns
     -------
-    str
-        Its words, line numbers turned into files and lines; the node or the place that it
-        means in front, when its words name an element or repeat a line.
+    Located
+        Its words in one line, and the place.
     """
+    plain = " | ".join(words)
+    numbered: list[Line] = []
 
     def place(match: re.Match[str]) -> str:
         index = int(match[1]) - 1
-        return _place(netlist.lines[index]) if 0 <= index < len(netlist.lines) else match[0]
+        if not 0 <= index < len(netlist.lines):
+            return match[0]
+        numbered.append(netlist.lines[index])
+        return _place(numbered[-1])
 
-    said = _LINE.sub(place, " | ".join(words))
+    said = _LINE.sub(place, plain)
     node = _NODE.search(said)
+    meant = numbered or _meant(netlist, said.lower())
     found = [f"node {node[1]}"] if node else []
-    if said == " | ".join(words):
-        found += [_place(line) for line in _meant(netlist, said.lower())[:1]]
-    return ": ".join([*found, said])
+    if not numbered:
+        found += [_place(line) for line in meant[:1]]
+    return Located(": ".join([*found, said]), meant[0] if meant else None, node and node[1])
 
 
 def _meant(netlist: Netlist, said: str) -> list[Line]:

@@ -193,7 +193,7 @@ def _sources(design: Design, f: np.ndarray) -> _Sources:
     s = 2j * math.pi * f
     # Noise gain of each amplifier, closed loop: what its own noise is at its output.
     lags = stages.lags[:, None]
-    own = lags * stages.speed / (1 + s * lags)
+    own = lags * stages.speeds[:, None] / (1 + s * lags)
     nothing = np.zeros_like(s)
     deviation = np.array([nothing, nothing, gain["surface from deviation"]])
     rate = np.array([nothing, nothing, gain["surface from rate"]])

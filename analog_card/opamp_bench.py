@@ -20,6 +20,8 @@ from analog_card.ngspice import (
 )
 
 LIMIT = 5.0  # per cent of the data sheet's figure
+# The figures hold at 25 C; the drift is measured up to here.
+_COOL, _WARM = 25.0, 75.0
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,9 @@ def measure_opamp(amplifier: OperationalAmplifier | None = None) -> tuple[Figure
 
     Notes
     -----
-    Data sheet: CA3140, FN957.10, Intersil/Renesas (2005), typical values at +-15 V and 25 C. The
+    Data sheet: CA3140, FN957.10, Intersil/Renesas (2005), typical values at +-15 V and 25 C. Input
+    resistance, bias current and gain-bandwidth were read in its text; the others are the values it
+    is quoted with elsewhere and should be checked against its table before they are relied on. The
     figures that are not parameters of the model (overshoot, rise and settling times, full-power
     bandwidth) are measured too: they say what follows from the others.
 
@@ -142,6 +146,12 @@ def _input(bench: _Bench) -> Iterator[Figure]:
     plus, minus = point["vplus#branch"][0], point["vminus#branch"][0]
     if offset:
         yield figure("input offset voltage", "V", offset, point["out"][0])
+    if amplifier.offset_drift:
+        warm, _ = bench.run(
+            "opamp-input", OperatingPoint(), input_offset=offset, card_temperature=_WARM
+        )
+        drift = (warm["out"][0] - point["out"][0]) / (_WARM - _COOL)
+        yield figure("offset drift", "V/K", amplifier.offset_drift, drift)
     if amplifier.bias_current:
         yield figure("input bias current", "A", amplifier.bias_current, (plus + minus) / 2)
     if amplifier.offset_current:

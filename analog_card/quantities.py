@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,7 @@ from analog_card.errors import InputError
 _POWER = re.compile(r"\*\*|\^")
 _SMALL_POWER = re.compile(r"(?:\*\*|\^)\s*-?\d(?!\s*(?:\d|\.|[eE][+-]?\d|\*\*|\^))")
 _LONGEST = 80
+_NUMBER = re.compile(r"[-+]?[.\d]+([eE][-+]?\d+)?")
 # A power written the way people type it, as in m/s2 and cm3; pint wants s**2 and cm**3.
 _TYPED_POWER = re.compile(r"\b([A-Za-zµ]+)([23])\b")
 
@@ -51,7 +53,7 @@ def to_si(value: str | float, unit: str, what: str = "value") -> float:
     --------
     >>> to_si("70 ms", "s")
     0.07
-    >>> to_si("5000 mm/s2", "m/s**2")
+    >>> to_si("5000 mm/s2", "m/s2")
     5.0
     >>> to_si(5, "V")
     5.0
@@ -63,6 +65,52 @@ def to_si(value: str | float, unit: str, what: str = "value") -> float:
     if not math.isfinite(number):
         raise InputError(f"{what}: {value!r} is not a finite number{_example(unit)}")
     return number
+
+
+def to_si_all(values: Sequence[str], unit: str, what: str = "value") -> list[float]:
+    """Return quantities in the given SI unit; one without a unit has the unit of the last.
+
+    Parameters
+    ----------
+    values : sequence of str
+        Numbers with or without a unit.
+    unit : str
+        The SI unit of the result; ``""`` for pure numbers.
+    what : str, optional
+        What the quantities are, for the error message.
+
+    Returns
+    -------
+    list of float
+        The values [unit].
+
+    Raises
+    ------
+    InputError
+        As `to_si`.
+
+    Examples
+    --------
+    >>> to_si_all(["15", "24", "6 mm"], "m")
+    [0.015, 0.024, 0.006]
+    """
+    parts = [value.strip() for value in values]
+    units = [unit_of(part) for part in parts]
+    return [
+        to_si(part if own or not part else f"{part} {units[-1] or unit}", unit, what)
+        for part, own in zip(parts, units, strict=True)
+    ]
+
+
+def unit_of(value: str) -> str:
+    """Return the unit that a quantity is written with; empty without one.
+
+    Examples
+    --------
+    >>> unit_of("6.5 bar"), unit_of("1e-3")
+    ('bar', '')
+    """
+    return _NUMBER.sub("", value, count=1).strip()
 
 
 def unit_factor(found: str, unit: str, what: str = "unit") -> tuple[float, float]:
@@ -127,6 +175,7 @@ def as_text(value: float, unit: str, digits: int = 12) -> str:
 def _convert(value: str | float, unit: str, what: str) -> float:
     import pint
 
+    unit = _TYPED_POWER.sub(r"\1**\2", unit)
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{what}: {value!r} is not a quantity{_example(unit)}")
     if isinstance(value, int | float):

@@ -100,7 +100,9 @@ class Simulator:
                 last_words = self._stop()
                 if overdue.is_set():
                     raise SimulationError(f"no result within {time_limit:g} s") from problem
-                raise SimulationError(f"ngspice crashed. {last_words}".strip()) from problem
+                raise SimulationError(
+                    f"ngspice crashed. {last_words}".strip(), words=[last_words] * bool(last_words)
+                ) from problem
             except BaseException:
                 # Interrupted: the reply still to come must not be taken for the next one.
                 self._stop()

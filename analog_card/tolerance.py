@@ -7,73 +7,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from analog_card.behaviour_elements import (
-    DIFFERENTIATORS,
+    PARTS,
     POTENTIOMETERS,
+    TRACKS,
     ZENERS,
+    figure_name,
     nominal_elements,
     offset_name,
+    zener_voltage,
 )
-from analog_card.design import AMPLIFIERS, Design
-from analog_card.errors import InputError
+from analog_card.design import AMPLIFIER_FIGURES, AMPLIFIERS, Design
+from analog_card.design_tolerances import REFERENCE_TEMPERATURE
 
 # A normal quantity stands at this many standard deviations in a worst case: 15 mV for an offset of
 # 5 mV, the most that the data sheet allows.
 NORMAL_EXTREME = 3.0
-_REFERENCE = 25.0  # degrees Celsius, where the design's values hold
-_MATCHED = ("xdifference.", "xinverter.")
-
-
-@dataclass(frozen=True)
-class Tolerances:
-    """How far the parts of a card may be from their values.
-
-    Attributes
-    ----------
-    resistor, matched_resistor, capacitor, potentiometer, zener : float
-        Largest relative deviation, evenly spread; matched are the resistors of difference
-        amplifier and inverter, the potentiometer's is that of its track [-].
-    offset_voltage : float
-        Standard deviation of an op-amp's offset voltage [V].
-    offset_drift : float
-        Standard deviation of its drift [V/K].
-    lowest_temperature, highest_temperature : float
-        Of the whole card, evenly spread [degC].
-    resistor_coefficient, capacitor_coefficient, zener_coefficient : float
-        Relative change with temperature, the same for all of a kind [1/K].
-
-    Notes
-    -----
-    Defaults: metal film 1 % and 50 ppm/K, polypropylene capacitors 5 % and -200 ppm/K, 6.2 V zeners
-    5 % and 300 ppm/K, tracks 20 %: common figures of such parts. CA3140 offset 5 mV and drift
-    8 uV/K: data sheet FN957.10.
-    """
-
-    resistor: float = 0.01
-    matched_resistor: float = 0.001
-    capacitor: float = 0.05
-    potentiometer: float = 0.2
-    zener: float = 0.05
-    offset_voltage: float = 5e-3
-    offset_drift: float = 8e-6
-    lowest_temperature: float = 15.0
-    highest_temperature: float = 45.0
-    resistor_coefficient: float = 50e-6
-    capacitor_coefficient: float = -200e-6
-    zener_coefficient: float = 300e-6
-
-    def __post_init__(self) -> None:
-        """Refuse tolerances that no part has."""
-        for name in ("resistor", "matched_resistor", "capacitor", "potentiometer", "zener"):
-            if not 0 <= getattr(self, name) < 1:
-                raise InputError(f"{name} tolerance: {getattr(self, name):g} is not from 0 to 1")
-        for name in ("offset_voltage", "offset_drift"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise InputError(f"{name}: {getattr(self, name):g} is not 0 or more")
-        if self.lowest_temperature > self.highest_temperature:
-            raise InputError(
-                f"temperature from {self.lowest_temperature:g} to {self.highest_temperature:g} "
-                "degC: the lowest comes first"
-            )
+# What both zeners have in common.
+PAIR = "zener pair"
+# What says how much the drifts do.
+TEMPERATURE = "temperature"
+# Figures of an op-amp that are spread by a factor, and by a voltage; the others by a share.
+_FACTORS = ("bias_current", "open_loop_gain")
+_VOLTAGES = ("positive_swing", "negative_swing")
 
 
 @dataclass(frozen=True)
@@ -83,10 +38,11 @@ class Quantity:
     Attributes
     ----------
     name : str
-        Of an element, of a potentiometer's track, of an offset's drift, or ``temperature``.
+        Of an element, of a potentiometer's track, of an offset's drift, of the zener pair, or
+        ``temperature``.
     spread : float
-        Largest deviation if evenly spread, standard deviation if normal; relative for parts, in
-        SI for offsets, drifts and temperature.
+        Largest deviation if evenly spread, standard deviation if normal: relative for parts, the
+        logarithm of a factor, in SI for the rest.
     normal : bool
         Whether it is normally distributed.
     """
@@ -101,27 +57,35 @@ class Quantity:
         return NORMAL_EXTREME if self.normal else 1.0
 
 
-def quantities(design: Design, tolerances: Tolerances) -> tuple[Quantity, ...]:
+def quantities(design: Design) -> tuple[Quantity, ...]:
     """Return everything that differs from card to card, in the order it is drawn.
 
     Parameters
     ----------
     design : Design
-        The card.
-    tolerances : Tolerances
-        How far.
+        The card, with its tolerances.
+
+    Examples
+    --------
+    >>> from analog_card.design_file import load_design
+    >>> [item.spread for item in quantities(load_design()) if item.name == "P4"]
+    [0.2]
     """
-    found = []
-    for name in _parts(design):
-        spread = tolerances.capacitor if _is_capacitor(name) else tolerances.resistor
-        spread = tolerances.matched_resistor if name.startswith(_MATCHED) else spread
-        found.append(Quantity(name, spread))
-    found += [Quantity(name, tolerances.potentiometer) for name in POTENTIOMETERS]
-    found += [Quantity(name, tolerances.zener) for name in ZENERS]
-    found += [Quantity(offset_name(n), tolerances.offset_voltage, True) for n in AMPLIFIERS]
-    found += [Quantity(f"{n} drift", tolerances.offset_drift, True) for n in AMPLIFIERS]
-    half = (tolerances.highest_temperature - tolerances.lowest_temperature) / 2
-    return (*found, Quantity("temperature", half))
+    tolerances = design.tolerances
+    found = [
+        Quantity(name, design.part_tolerance(section, part).tolerance)
+        for name, (section, part) in (PARTS | TRACKS).items()
+    ]
+    found.append(Quantity(PAIR, tolerances.zener.tolerance))
+    found += [Quantity(name, tolerances.zener.matching) for name in ZENERS]
+    spread = tolerances.operational_amplifier
+    found += [Quantity(offset_name(name), spread.offset_voltage, True) for name in AMPLIFIERS]
+    found += [Quantity(_drift(name), spread.offset_drift, True) for name in AMPLIFIERS]
+    for figure in AMPLIFIER_FIGURES:
+        size = getattr(spread, figure)
+        size = math.log(size) if figure in _FACTORS else size
+        found += [Quantity(figure_name(name, figure), size) for name in AMPLIFIERS]
+    return (*found, Quantity(TEMPERATURE, tolerances.temperature.half))
 
 
 def draw(items: tuple[Quantity, ...], seed: int, index: int) -> dict[str, float]:
@@ -147,7 +111,7 @@ def draw(items: tuple[Quantity, ...], seed: int, index: int) -> dict[str, float]
 
 
 def elements_of(
-    deviations: Mapping[str, float], design: Design, tolerances: Tolerances, relay: bool = False
+    deviations: Mapping[str, float], design: Design, relay: bool = False
 ) -> dict[str, float]:
     """Return the values of the elements of one card.
 
@@ -156,47 +120,51 @@ def elements_of(
     deviations : mapping of str to float
         From `draw`; what is not named stands at its nominal value.
     design : Design
-        The card as designed.
-    tolerances : Tolerances
-        What a deviation of 1 amounts to.
+        The card as designed, with its tolerances.
     relay : bool, optional
         Whether the feedback of the boundary-layer amplifier is opened.
 
     Returns
     -------
     dict of str to float
-        As from `analog_card.behaviour_elements.nominal_elements`.
+        As from `analog_card.behaviour_elements.nominal_elements`. Offset voltages are about zero:
+        the design's is the typical figure of a data sheet, which has no sign.
+
+    Examples
+    --------
+    >>> from analog_card.design_file import load_design
+    >>> card = elements_of({"xinverter.rinput": 1.0}, load_design())
+    >>> round(card["xinverter.rinput"] / card["xinverter.rfeedback"], 6)
+    1.001
     """
-    values = nominal_elements(design, relay)
-    middle = (tolerances.lowest_temperature + tolerances.highest_temperature) / 2
-    spread = {item.name: item.spread for item in quantities(design, tolerances)}
-    off = {name: deviations.get(name, 0.0) * spread[name] for name in spread}
-    warmer = middle + off["temperature"] - _REFERENCE
-    resistor = 1 + tolerances.resistor_coefficient * warmer
-    for name in _parts(design):
-        capacitor = _is_capacitor(name)
-        drifted = 1 + tolerances.capacitor_coefficient * warmer if capacitor else resistor
-        values[name] *= (1 + off[name]) * drifted
+    off = {item.name: deviations.get(item.name, 0.0) * item.spread for item in quantities(design)}
+    temperature = design.tolerances.temperature.middle + off[TEMPERATURE]
+    values = nominal_elements(design, relay, temperature)
+    for name in PARTS:
+        values[name] *= 1 + off[name]
     for name, place in POTENTIOMETERS.items():
         for part in ("rupper", "rlower"):
-            values[f"{place}.{part}"] *= (1 + off[name]) * resistor
+            values[f"{place}.{part}"] *= 1 + off[name]
+    # Deviations are of the breakdown voltage; its drift and the forward voltage are not theirs.
+    breakdown = zener_voltage(design)
     for name in ZENERS:
-        values[name] *= (1 + off[name]) * (1 + tolerances.zener_coefficient * warmer)
+        values[name] += breakdown * ((1 + off[PAIR]) * (1 + off[name]) - 1)
+    # A drift is alike to either side and a card at one temperature: only how far away counts. So a
+    # drift acts the same way at both ends of the range.
+    away = abs(temperature - REFERENCE_TEMPERATURE)
     for name in AMPLIFIERS:
-        values[offset_name(name)] = off[offset_name(name)] + off[f"{name} drift"] * warmer
+        values[offset_name(name)] = off[offset_name(name)] + off[_drift(name)] * away
+        for figure in AMPLIFIER_FIGURES:
+            place = figure_name(name, figure)
+            values[place] = _spread_figure(figure, values[place], off[place])
     return values
 
 
-def _parts(design: Design) -> list[str]:
-    """Return the names of resistors and capacitors, those of tracks and of the link left out."""
-    left_out = (*POTENTIOMETERS.values(), "xboundary.rlink")
-    bias = tuple(f"{place}.rbias" for place in DIFFERENTIATORS.values())
-    return [
-        name
-        for name in nominal_elements(design)
-        if name.rpartition(".")[2][0] in "rc" and not name.startswith((*left_out, *bias))
-    ]
+def _spread_figure(figure: str, value: float, deviation: float) -> float:
+    if figure in _FACTORS:
+        return value * math.exp(deviation)
+    return value + deviation if figure in _VOLTAGES else value * (1 + deviation)
 
 
-def _is_capacitor(name: str) -> bool:
-    return name.rpartition(".")[2].startswith("c")
+def _drift(amplifier: str) -> str:
+    return f"{amplifier} drift"

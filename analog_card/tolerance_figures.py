@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 import netlists
+from analog_card.amplifier_elements import netlist_elements
 from analog_card.analyses import FrequencySweep, OperatingPoint
 from analog_card.behaviour import CardBehaviour, card_stages
 from analog_card.behaviour_elements import CHANNEL, nominal_elements
@@ -12,6 +13,8 @@ from analog_card.behaviour_limiter import inputs
 from analog_card.behaviour_model import rest_voltages, stage_responses
 from analog_card.design import Design
 from analog_card.ngspice import Session
+from analog_card.tolerance_relay import BENCH as RELAY_BENCH
+from analog_card.tolerance_relay import behaviour_delay, netlist_delay
 
 # Unit of each figure; the name says what it is.
 FIGURES = {
@@ -24,6 +27,8 @@ FIGURES = {
     "rest_error": "m",
     "level_high": "V",
     "level_low": "V",
+    "level_asymmetry": "",
+    "relay_delay": "s",
 }
 _PROBE = 200.0  # Hz, where gain and phase of the acceleration tap are taken
 _SLOW = 10.0  # Hz, where a differentiator has its gain
@@ -69,7 +74,7 @@ def behaviour_figures(design: Design, elements: Mapping[str, float]) -> dict[str
         * np.interp(stages.comparator_swing, inputs(), stages.limiter.clamped)
         + stages.control_offset
     )
-    return _figures(
+    found = _figures(
         design,
         weights=-stages.surface[:3],
         difference=float(stages.difference[0]),
@@ -81,6 +86,7 @@ def behaviour_figures(design: Design, elements: Mapping[str, float]) -> dict[str
         comparator=rest_voltages(stages, held, held)["comparator"],
         levels=levels,
     )
+    return found | {"relay_delay": behaviour_delay(design, elements, held)}
 
 
 def netlist_figures(
@@ -105,36 +111,49 @@ def netlist_figures(
     SimulationError
         When ngspice fails.
     """
-    full = design.transducer.full_scale_voltage
-    held, away = _HELD * full, _AWAY * full
-    places = {node: f"{CHANNEL}.{node}" for node in _NODES}
-    save = ["surface", "control", "transducer", *places.values()]
-    with Session(_BENCH, {**design.netlist_parameters(), "rest": held}, save) as session:
+    held = _HELD * design.transducer.full_scale_voltage
+    save = ["surface", "control", "transducer", *(f"{CHANNEL}.{node}" for node in _NODES)]
+    parameters = {**design.netlist_parameters(), "rest": held}
+    with (
+        Session(_BENCH, parameters, save) as session,
+        Session(RELAY_BENCH, parameters, ["surface", "control"]) as relay,
+    ):
         for card in cards:
-            elements = {**nominal_elements(design), **card}
-            session.change({f"{CHANNEL}.{name}": value for name, value in elements.items()})
-            session.change({"vdemand": held})
-            rest = session.run(OperatingPoint())
-            sweep = session.run(_SWEEP)
-            # A demand above the displacement drives the output up.
-            limits = []
-            for demand in (held - away, held + away):
-                session.change({"vdemand": demand})
-                limits.append(float(session.run(OperatingPoint())["control"][0].real))
-            node = {name: sweep[place] for name, place in places.items()}
-            states = np.column_stack([node["deviation"], node["rate"], node["second"]])
-            yield _figures(
-                design,
-                weights=_fitted(states, -sweep["surface"]),
-                difference=float(abs(node["deviation"][0] / node["displacement"][0])),
-                inverter=float(abs(node["rate"][0] / node["first"][0])),
-                slow=_at(_SLOW, sweep.frequency, _taps(node)),
-                probe=complex(np.prod(_at(_PROBE, sweep.frequency, _taps(node)))),
-                comparator_gain=float(abs(node["comparator"][0] / sweep["surface"][0])),
-                control_gain=float(abs(sweep["control"][0] / node["comparator"][0])),
-                comparator=float(rest[places["comparator"]][0].real),
-                levels=np.array(limits),
+            elements = netlist_elements(
+                {**nominal_elements(design), **card}, design.soldered.operational_amplifier
             )
+            found = _measured(design, session, elements, held)
+            yield found | {"relay_delay": netlist_delay(relay, elements)}
+
+
+def _measured(
+    design: Design, session: Session, elements: Mapping[str, float], held: float
+) -> dict[str, float]:
+    """Return the figures of one card from its operating points and its frequency response."""
+    away = _AWAY * design.transducer.full_scale_voltage
+    session.change({f"{CHANNEL}.{name}": value for name, value in elements.items()})
+    session.change({"vdemand": held})
+    rest = session.run(OperatingPoint())
+    sweep = session.run(_SWEEP)
+    # A demand above the displacement drives the output up.
+    limits = []
+    for demand in (held - away, held + away):
+        session.change({"vdemand": demand})
+        limits.append(float(session.run(OperatingPoint())["control"][0].real))
+    node = {name: sweep[f"{CHANNEL}.{name}"] for name in _NODES}
+    states = np.column_stack([node["deviation"], node["rate"], node["second"]])
+    return _figures(
+        design,
+        weights=_fitted(states, -sweep["surface"]),
+        difference=float(abs(node["deviation"][0] / node["displacement"][0])),
+        inverter=float(abs(node["rate"][0] / node["first"][0])),
+        slow=_at(_SLOW, sweep.frequency, _taps(node)),
+        probe=complex(np.prod(_at(_PROBE, sweep.frequency, _taps(node)))),
+        comparator_gain=float(abs(node["comparator"][0] / sweep["surface"][0])),
+        control_gain=float(abs(sweep["control"][0] / node["comparator"][0])),
+        comparator=float(rest[f"{CHANNEL}.comparator"][0].real),
+        levels=np.array(limits),
+    )
 
 
 def _figures(
@@ -170,6 +189,8 @@ def _figures(
         "rest_error": float(-comparator / (comparator_gain * weights[0] * difference * scale)),
         "level_high": float(levels[1]),
         "level_low": float(levels[0]),
+        # By how much the upper level is above the lower, of either.
+        "level_asymmetry": float((levels[1] + levels[0]) / level),
     }
 
 

@@ -141,15 +141,21 @@ def importance(
     -------
     dict of str to float
         Squared rank correlation (Spearman 1904), which for independent quantities is the share of
-        the variance of the ranks; chance gives 1/n.
+        the variance of the ranks. Left out is what chance gives too: in one study out of twenty
+        a quantity without any effect is in it.
+
+    Notes
+    -----
+    Without effect the squared correlation is distributed as chi-squared with one degree of freedom
+    over n - 1; the limit is its value for 5 % over the number of quantities (Bonferroni 1936).
 
     Examples
     --------
-    >>> drawn = [{"a": x, "b": (x * 7) % 5} for x in range(5)]
-    >>> importance(drawn, [2 * d["a"] for d in drawn])["a"]
-    1.0
+    >>> drawn = [{"a": x, "b": (x * 7) % 20} for x in range(20)]
+    >>> importance(drawn, [2 * d["a"] for d in drawn])
+    {'a': 1.0}
     """
-    from scipy.stats import rankdata
+    from scipy.stats import chi2, rankdata
 
     values = np.array(figure, float)
     usable = np.isfinite(values)
@@ -160,13 +166,15 @@ def importance(
     scale = np.sqrt((ranks**2).sum(axis=0) * (wanted**2).sum())
     with np.errstate(invalid="ignore", divide="ignore"):
         shares = np.where(scale > 0, (ranks.T @ wanted / scale) ** 2, 0.0)
-    order = np.argsort(-shares, kind="stable")
+    chance = chi2.isf((1 - CONFIDENCE) / len(names), 1) / max(len(table) - 1, 1)
+    order = [k for k in np.argsort(-shares, kind="stable") if shares[k] > chance]
     return {names[k]: round(float(shares[k]), 12) for k in order}
 
 
 def corners(
     figures: Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Any]]],
     extremes: Mapping[str, float],
+    either: Sequence[str] = (),
 ) -> dict[str, tuple[float, float]]:
     """Return the worst cases of every figure, by corners that sensitivities sign.
 
@@ -176,6 +184,8 @@ def corners(
         Takes a list of cards, each deviations by quantity, and returns the figures of each.
     extremes : mapping of str to float
         How far each quantity goes to either side.
+    either : sequence of str, optional
+        Quantities that change what others do: every corner is tried at both ends of each of them.
 
     Returns
     -------
@@ -185,9 +195,9 @@ def corners(
 
     Notes
     -----
-    Each quantity alone goes to both ends; the sign of the difference is that of its sensitivity. In
-    the corner every quantity stands at the end that moves the figure the same way: exact for
-    figures that are monotonic in each, a good guess for others.
+    Each quantity alone goes to its upper end; the sign of the difference from the middle is that of
+    its sensitivity. In the corner every quantity stands at the end that moves the figure the same
+    way: exact for figures that are monotonic in each, a good guess for others.
 
     Examples
     --------
@@ -197,21 +207,20 @@ def corners(
     if not extremes:
         return {}
     rest = dict.fromkeys(extremes, 0.0)
-    ends = [
-        {**rest, name: side * extreme} for name, extreme in extremes.items() for side in (1, -1)
-    ]
-    found = figures(ends)
+    found = figures([rest, *({**rest, name: extreme} for name, extreme in extremes.items())])
     names = list(found[0])
     table = np.array([[each[name] for name in names] for each in found], float)
-    # One row for each quantity: towards its upper end less towards its lower.
-    signs = np.where(table[::2] - table[1::2] < 0, -1.0, 1.0)
+    signs = np.where(table[1:] < table[0], -1.0, 1.0)
     upper = [
         dict(zip(extremes, sign * np.array(list(extremes.values())), strict=True))
         for sign in signs.T
     ]
     lower = [{name: -value for name, value in card.items()} for card in upper]
+    ends = [*lower, *upper]
+    for name in either:
+        ends += [{**card, name: -card[name]} for card in ends if name in card]
     # Many figures share a corner.
-    distinct = {tuple(card.values()): card for card in (*lower, *upper)}
+    distinct = {tuple(card.values()): card for card in ends}
     worst = figures(list(distinct.values()))
     tried = np.array([[each[name] for name in names] for each in [*found, *worst]], float)
     return {

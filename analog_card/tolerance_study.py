@@ -10,7 +10,7 @@ import numpy as np
 
 from analog_card.design import Design
 from analog_card.errors import InputError
-from analog_card.tolerance import Tolerances, draw, elements_of, quantities
+from analog_card.tolerance import TEMPERATURE, draw, elements_of, quantities
 from analog_card.tolerance_figures import FIGURES, behaviour_figures, netlist_figures
 from analog_card.tolerance_statistics import (
     Yield,
@@ -19,7 +19,7 @@ from analog_card.tolerance_statistics import (
     importance,
     yield_within,
 )
-from analog_card.tolerance_trials import fingerprint, run_trials
+from analog_card.tolerance_trials import fingerprint, run_trials, single_threaded
 
 # How many quantities a report names for each figure.
 MOST_IMPORTANT = 3
@@ -94,6 +94,7 @@ class Study:
         """Return the numbers as plain values, for JSON."""
         return {
             "design": self.design.title,
+            "tolerances": asdict(self.design.tolerances),
             "trials": len(self.trials),
             "netlist_trials": len(self.netlist_trials),
             "figures": [asdict(spread) for spread in self.spreads],
@@ -103,7 +104,6 @@ class Study:
 
 def study_card(
     design: Design,
-    tolerances: Tolerances | None = None,
     count: int = 1000,
     netlist_count: int = 200,
     seed: int = 0,
@@ -117,9 +117,7 @@ def study_card(
     Parameters
     ----------
     design : Design
-        The card as designed.
-    tolerances : Tolerances, optional
-        How far its parts may be from their values.
+        The card as designed, with its tolerances.
     count, netlist_count : int, optional
         Trials by behaviour, and how many of these cards the netlist is run with.
     seed : int, optional
@@ -152,12 +150,11 @@ def study_card(
     >>> all(spread.difference < 1e-3 * abs(spread.nominal) for spread in study.spreads[:5])
     True
     """
-    tolerances = tolerances or Tolerances()
     require_limits(limits, FIGURES)
-    behaviour = partial(_behaviour_trials, design, tolerances, seed)
-    netlist = partial(_netlist_trials, design, tolerances, seed)
+    behaviour = partial(_behaviour_trials, design, seed)
+    netlist = partial(_netlist_trials, design, seed)
     place = Path(folder) if folder is not None else None
-    name = fingerprint(design, tolerances, seed)
+    name = fingerprint(design, seed)
     trials = run_trials(
         behaviour, count, f"behaviour {name}", place and place / "behaviour.jsonl", jobs, step
     )
@@ -166,15 +163,15 @@ def study_card(
         measured = run_trials(
             netlist, netlist_count, f"netlist {name}", place and place / "netlist.jsonl", jobs, step
         )
-    items = quantities(design, tolerances)
+    items = quantities(design)
     drawn = [draw(items, seed, index) for index in range(count)]
     extremes = {item.name: item.extreme for item in items if item.spread}
-    worst = corners(
-        lambda cards: [
-            behaviour_figures(design, elements_of(card, design, tolerances)) for card in cards
-        ],
-        extremes,
-    )
+    with single_threaded():
+        worst = corners(
+            lambda cards: [behaviour_figures(design, elements_of(card, design)) for card in cards],
+            extremes,
+            either=(TEMPERATURE,),
+        )
     spreads = spreads_of(behaviour_figures(design, {}), FIGURES, trials, drawn, worst, measured)
     within = yield_within(trials, limits) if limits else None
     return Study(design, spreads, trials, measured, within)
@@ -214,7 +211,8 @@ def spreads_of(
         found = bounds(usable.tolist())
         ranked = importance(drawn, values.tolist())
         both = min(len(measured), len(trials))
-        apart = [abs(measured[k][figure] - values[k]) for k in range(both)]
+        pairs = [(measured[k][figure], float(values[k])) for k in range(both)]
+        apart = [abs(one - other) for one, other in pairs if np.isfinite(one - other)]
         low, high = worst.get(figure, (None, None))
         spreads.append(
             Spread(
@@ -229,7 +227,7 @@ def spreads_of(
                 corner_low=low,
                 corner_high=high,
                 important=dict(list(ranked.items())[:MOST_IMPORTANT]),
-                difference=float(max(apart)) if apart else None,
+                difference=max(apart, default=None),
                 failed=len(values) - len(usable),
             )
         )
@@ -248,20 +246,18 @@ def require_limits(
 
 
 def _behaviour_trials(
-    design: Design, tolerances: Tolerances, seed: int, indices: Sequence[int]
+    design: Design, seed: int, indices: Sequence[int]
 ) -> Iterator[dict[str, float]]:
-    for elements in _cards(design, tolerances, seed, indices):
+    for elements in _cards(design, seed, indices):
         yield behaviour_figures(design, elements)
 
 
 def _netlist_trials(
-    design: Design, tolerances: Tolerances, seed: int, indices: Sequence[int]
+    design: Design, seed: int, indices: Sequence[int]
 ) -> Iterator[dict[str, float]]:
-    return netlist_figures(design, _cards(design, tolerances, seed, indices))
+    return netlist_figures(design, _cards(design, seed, indices))
 
 
-def _cards(
-    design: Design, tolerances: Tolerances, seed: int, indices: Sequence[int]
-) -> list[dict[str, float]]:
-    items = quantities(design, tolerances)
-    return [elements_of(draw(items, seed, index), design, tolerances) for index in indices]
+def _cards(design: Design, seed: int, indices: Sequence[int]) -> list[dict[str, float]]:
+    items = quantities(design)
+    return [elements_of(draw(items, seed, index), design) for index in indices]

@@ -4,8 +4,11 @@ import hashlib
 import json
 import multiprocessing
 import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +26,16 @@ def fingerprint(*what: Any) -> str:
     return hashlib.sha256(repr(what).encode()).hexdigest()[:16]
 
 
+@contextmanager
+def single_threaded() -> Iterator[None]:
+    """Keep linear algebra in one thread: for a card's matrices of 12 x 12 more only wait."""
+    import scipy.linalg  # noqa: F401 - its library must be there to be kept to one thread
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
+
+
 def run_trials(
     trial: Trial,
     count: int,
@@ -30,6 +43,8 @@ def run_trials(
     store: str | Path | None = None,
     jobs: int = 1,
     step: Callable[[str], None] = lambda what: None,
+    pool: Executor | None = None,
+    chunk: int = _CHUNK,
 ) -> list[Figures]:
     """Return the figures of every trial of a study, in order.
 
@@ -49,6 +64,10 @@ def run_trials(
         Processes to run in.
     step : callable, optional
         Told about each trial done, for a progress display.
+    pool : Executor, optional
+        Runs the trials in place of processes of this computer.
+    chunk : int, optional
+        Trials that a process takes at a time.
 
     Returns
     -------
@@ -69,7 +88,7 @@ def run_trials(
         raise InputError(f"{count} trials in {jobs} processes; at least one of each is needed")
     done = _read(Path(store), study) if store is not None else {}
     left = [index for index in range(count) if index not in done]
-    chunks = [left[k : k + _CHUNK] for k in range(0, len(left), _CHUNK)]
+    chunks = [left[k : k + chunk] for k in range(0, len(left), chunk)]
 
     def keep(index: int, figures: Figures) -> None:
         done[index] = figures
@@ -79,23 +98,49 @@ def run_trials(
 
     if store is not None and not Path(store).exists():
         _append(Path(store), {"study": study})
-    if jobs == 1 or len(chunks) < 2:
-        for chunk in chunks:
-            for index, figures in zip(chunk, trial(chunk), strict=True):
-                keep(index, figures)
+    if pool is not None:
+        _share_out(pool, trial, chunks, keep)
+    elif jobs == 1 or len(chunks) < 2:
+        with single_threaded():
+            for some in chunks:
+                for index, figures in zip(some, trial(some), strict=True):
+                    keep(index, figures)
     else:
         # Spawned: a forked process would share the simulator's with this one.
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-            futures = {pool.submit(_collected, trial, chunk): chunk for chunk in chunks}
-            for future in as_completed(futures):
-                for index, figures in zip(futures[future], future.result(), strict=True):
-                    keep(index, figures)
+        with ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent) as own:
+            _share_out(own, trial, chunks, keep)
     return [done[index] for index in range(count)]
 
 
+def _share_out(
+    pool: Executor,
+    trial: Trial,
+    chunks: Sequence[Sequence[int]],
+    keep: Callable[[int, Figures], None],
+) -> None:
+    """Run trials in a pool and keep each as soon as it is known."""
+    futures = {pool.submit(_collected, trial, chunk): chunk for chunk in chunks}
+    for future in as_completed(futures):
+        for index, figures in zip(futures[future], future.result(), strict=True):
+            keep(index, figures)
+
+
 def _collected(trial: Trial, chunk: Sequence[int]) -> list[Figures]:
-    return list(trial(chunk))
+    with single_threaded():
+        return list(trial(chunk))
+
+
+def _end_with_parent() -> None:
+    """Have this process end when the one that started it has, also by a signal."""
+
+    def watch(sentinel: int) -> None:
+        wait([sentinel])
+        os._exit(1)
+
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=watch, args=(parent.sentinel,), daemon=True).start()
 
 
 def _append(path: Path, line: dict[str, Any]) -> None:

@@ -87,12 +87,14 @@ def plot_transient_deviation(case: "TransientComparison", axis: Any) -> Any:
     from analog_card.verification import TRANSIENT_LIMIT
 
     for number, node in enumerate(case.netlist):
-        deviation = np.maximum(case.deviation(node), _LEAST_PER_CENT)
-        axis.semilogy(case.time * 1e3, deviation, f"C{number}", linewidth=0.8, label=node)
+        play = case.play(node)
+        deviation = np.maximum(case.deviation(node, play), _LEAST_PER_CENT)
+        label = f"{node}, edges ±{play * 1e6:g} µs" if play else node
+        axis.semilogy(case.time * 1e3, deviation, f"C{number}", linewidth=0.8, label=label)
     axis.axhline(TRANSIENT_LIMIT, color="grey", linewidth=2.5)
-    axis.set_ylim(_LEAST_PER_CENT, 10)
+    axis.set_ylim(_LEAST_PER_CENT, 100)
     axis.set_title(case.name, loc="left", size="medium")
-    return _labelled(axis, "time [ms]", "deviation [% of range]", place="upper right", columns=4)
+    return _labelled(axis, "time [ms]", "deviation [% of range]", place="upper right", columns=3)
 
 
 def plot_worst(verification: "Verification", axis: Any) -> Any:

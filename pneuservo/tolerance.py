@@ -9,7 +9,7 @@ import numpy as np
 
 from analog_card.design import Design
 from analog_card.figures import card_figures
-from analog_card.tolerance import Tolerances, draw, elements_of, quantities
+from analog_card.tolerance import TEMPERATURE, draw, elements_of, quantities
 from analog_card.tolerance_figures import FIGURES as OPEN_LOOP_FIGURES
 from analog_card.tolerance_figures import behaviour_figures
 from analog_card.tolerance_statistics import corners, yield_within
@@ -91,7 +91,6 @@ def closed_loop_figures(
 
 def study_loop(
     design: Design,
-    tolerances: Tolerances | None = None,
     rig: Rig | None = None,
     count: int = 1000,
     seed: int = 0,
@@ -105,9 +104,7 @@ def study_loop(
     Parameters
     ----------
     design : Design
-        The card as designed.
-    tolerances : Tolerances, optional
-        How far its parts may be from their values.
+        The card as designed, with its tolerances.
     rig : Rig, optional
         The plant, without tolerances; by default ``single-axis``.
     count : int, optional
@@ -133,23 +130,24 @@ def study_loop(
     InputError
         When the folder holds another study, or a limit is of no figure.
     """
-    tolerances, rig = tolerances or Tolerances(), rig or load_rig("single-axis")
+    rig = rig or load_rig("single-axis")
     require_limits(limits, ALL_FIGURES)
-    items = quantities(design, tolerances)
+    items = quantities(design)
     drawn = [draw(items, seed, index) for index in range(count)]
     place = Path(folder) if folder is not None else None
     parameters = {key: parameter.value for key, parameter in rig.parameters.items()}
-    name = fingerprint(design, tolerances, seed, parameters)
-    loop = partial(_trials, design, tolerances, rig, seed)
+    name = fingerprint(design, seed, parameters)
+    loop = partial(_trials, design, rig, seed)
     trials = run_trials(loop, count, f"loop {name}", place and place / "loop.jsonl", jobs, step)
 
     def evaluated(cards: Sequence[Mapping[str, float]]) -> list[dict[str, Any]]:
-        figures = partial(_cards, design, tolerances, rig, list(cards))
+        figures = partial(_cards, design, rig, list(cards))
         corner = fingerprint(cards)
         store = place and place / f"corners-{corner}.jsonl"
         return run_trials(figures, len(cards), f"corners {name}", store, jobs, step)
 
-    worst = corners(evaluated, {item.name: item.extreme for item in items if item.spread})
+    extremes = {item.name: item.extreme for item in items if item.spread}
+    worst = corners(evaluated, extremes, either=(TEMPERATURE,))
     nominal = {**closed_loop_figures(design, {}, rig), **behaviour_figures(design, {})}
     plain = {figure: np.nan if value is None else value for figure, value in nominal.items()}
     spreads = spreads_of(plain, ALL_FIGURES, trials, drawn, worst)
@@ -159,20 +157,19 @@ def study_loop(
 
 
 def _trials(
-    design: Design, tolerances: Tolerances, rig: Rig, seed: int, indices: Sequence[int]
+    design: Design, rig: Rig, seed: int, indices: Sequence[int]
 ) -> Iterator[dict[str, Any]]:
-    items = quantities(design, tolerances)
+    items = quantities(design)
     cards = [draw(items, seed, index) for index in indices]
-    return _cards(design, tolerances, rig, cards, range(len(cards)))
+    return _cards(design, rig, cards, range(len(cards)))
 
 
 def _cards(
     design: Design,
-    tolerances: Tolerances,
     rig: Rig,
     cards: Sequence[Mapping[str, float]],
     indices: Sequence[int],
 ) -> Iterator[dict[str, Any]]:
     for index in indices:
-        elements = elements_of(cards[index], design, tolerances)
+        elements = elements_of(cards[index], design)
         yield {**closed_loop_figures(design, elements, rig), **behaviour_figures(design, elements)}

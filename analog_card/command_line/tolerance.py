@@ -2,45 +2,24 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Any
 
 import click
 
-from analog_card.behaviour_elements import offset_name
+from analog_card.behaviour_elements import figure_name, offset_name
 from analog_card.command_line.options import DESIGN, JSON, examples, table
-from analog_card.console import Quantity, progress
-from analog_card.design import AMPLIFIERS
+from analog_card.command_line.tolerance_options import tolerance_options, with_tolerances
+from analog_card.console import progress
+from analog_card.design import AMPLIFIER_FIGURES, AMPLIFIERS
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.quantities import as_text, to_si
-from analog_card.tolerance import Tolerances
 from analog_card.tolerance_figures import FIGURES
 from analog_card.tolerance_statistics import CONFIDENCE
 from analog_card.tolerance_study import Study, study_card
 
-# Of the values of `Tolerances`; what is not named is a pure number.
-_UNITS = {"offset_voltage": "V", "offset_drift": "V/K"} | dict.fromkeys(
-    ("resistor_coefficient", "capacitor_coefficient", "zener_coefficient"), "1/K"
-)
 # Written as they are; the others take prefixes.
 _PLAIN_UNITS = ("1/s2", "1/s", "m/s2", "V s/m", "V s2/m", "degree", "Hz")
-_TEMPERATURES = ("lowest_temperature", "highest_temperature")
-_DEFAULTS = Tolerances()
-_HELP = {
-    "resistor": "Largest relative deviation of a resistor.",
-    "matched_resistor": "The same for those of difference amplifier and inverter.",
-    "capacitor": "Largest relative deviation of a capacitor.",
-    "potentiometer": "Largest relative deviation of a potentiometer's track.",
-    "zener": "Largest relative deviation of a zener's voltage.",
-    "offset_voltage": "Standard deviation of an op-amp's offset voltage.",
-    "offset_drift": "Standard deviation of its drift with temperature.",
-    "lowest_temperature": "Of the card.",
-    "highest_temperature": "Of the card.",
-    "resistor_coefficient": "Relative change of every resistor with temperature.",
-    "capacitor_coefficient": "Relative change of every capacitor with temperature.",
-    "zener_coefficient": "Relative change of the zener voltages with temperature.",
-}
 
 
 def study_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -67,20 +46,7 @@ def study_options(function: Callable[..., Any]) -> Callable[..., Any]:
             help="Keep trials and tolerance.json in FOLDER; a stopped study goes on.",
         ),
     ]
-    for item in fields(Tolerances):
-        default = getattr(_DEFAULTS, item.name)
-        # Temperatures are plain numbers in degC: their differences would be read as kelvin.
-        kind: Any = float if item.name in _TEMPERATURES else Quantity(_UNITS.get(item.name, ""))
-        unit = "degC" if item.name in _TEMPERATURES else _UNITS.get(item.name, "")
-        options.append(
-            click.option(
-                f"--{item.name.replace('_', '-')}",
-                item.name,
-                type=kind,
-                default=default,
-                help=f"{_HELP[item.name]} [default: {default:g} {unit}".rstrip() + "]",
-            )
-        )
+    function = tolerance_options(function)
     for option in reversed([*options, DESIGN, JSON]):
         function = option(function)
     return function
@@ -118,17 +84,17 @@ def command(
     out: str | None,
     design_file: str | None,
     as_json: bool,
-    **tolerances: float,
+    **tolerances: float | None,
 ) -> None:
     """Study what tolerances of parts, op-amps and temperature do to the card.
 
     Monte Carlo by behaviour and by netlist over the same cards, worst cases by corners, and which
-    part matters most. In closed loop: pneuservo tolerance.
+    part matters most. Tolerances are those of the design file; options replace them. In closed
+    loop: pneuservo tolerance.
     """
     with progress(total=trials + netlist_trials) as step:
         study = study_card(
-            load_design(design_file),
-            Tolerances(**tolerances),
+            with_tolerances(load_design(design_file), tolerances),
             trials,
             netlist_trials,
             seed,
@@ -218,7 +184,10 @@ def _print(study: Study) -> None:
         )
     console.print(rows)
     if study.spreads[0].confidence < CONFIDENCE:
-        console.print(f"Few trials: bounds with {study.spreads[0].confidence:.0%} confidence only.")
+        console.print(
+            f"Few trials: bounds with {study.spreads[0].confidence:.0%} confidence only; what "
+            "matters most is named only where it cannot be chance."
+        )
     if study.cards_within is not None:
         within = study.cards_within
         console.print(
@@ -228,9 +197,13 @@ def _print(study: Study) -> None:
 
 
 def _readable(name: str) -> str:
-    return next(
-        (f"{amplifier} offset" for amplifier in AMPLIFIERS if name == offset_name(amplifier)), name
-    )
+    for amplifier in AMPLIFIERS:
+        if name == offset_name(amplifier):
+            return f"{amplifier} offset".replace("_", " ")
+        for figure in AMPLIFIER_FIGURES:
+            if name == figure_name(amplifier, figure):
+                return f"{amplifier} {figure}".replace("_", " ")
+    return name
 
 
 def _between(low: float | None, high: float | None, unit: str) -> str:

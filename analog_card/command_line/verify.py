@@ -67,12 +67,21 @@ def _print_verification(result: Verification) -> None:
         "Netlist against behavioural model", "stage", "quantity", "band", "worst", "limit", ""
     )
     for item in result.deviations:
+        verdict = "pass" if item.passed else "FAIL"
+        if item.play:
+            verdict += f", edges ±{item.play * 1e6:g} µs; without {item.without_play:.2g} %"
         rows.add_row(
             item.stage,
             item.quantity,
             item.band,
             f"{item.worst:.2g} {item.unit}",
             f"{item.limit:g}",
-            "pass" if item.passed else "FAIL",
+            verdict,
         )
     Console().print(rows)
+    if any(item.play for item in result.deviations):
+        click.echo(
+            "Edges: behind the boundary-layer amplifier both sides switch over 30 V in some 3 us. "
+            "Where the table says so\nan edge counts as the same when it comes that much earlier "
+            "or later; at the same times the deviation is the larger figure."
+        )

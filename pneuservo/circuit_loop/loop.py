@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import netlists
+from analog_card.amplifier_elements import netlist_elements
 from analog_card.behaviour_elements import LINK_OPEN
 from analog_card.design import Design
 from analog_card.design_file import load_design
@@ -31,6 +32,7 @@ _VALVE = "ddv-27a1"
 # Node of the netlist, and what makes a channel in SI of its voltage.
 _NODES = {
     "velocity": ("xplant.speed", 0.1),
+    "acceleration": ("xplant.acceleration", 0.1),
     "pressure_a": ("xplant.pressure_a", 1e5),
     "pressure_b": ("xplant.pressure_b", 1e5),
     "spool": ("xplant.spool", 1.0),
@@ -82,7 +84,7 @@ def simulate_circuit_loop(
     Returns
     -------
     Simulation
-        The run with the channels of the plant and of the card, without ``acceleration``.
+        The run with every channel of the plant and of the card.
 
     Raises
     ------
@@ -119,8 +121,9 @@ def simulate_circuit_loop(
         parameters["boundary_layer_link"] = LINK_OPEN
     netlist = _with_demand(read_netlist(CLOSED_LOOP), times - times[0], wanted, _sensitivity(rig))
     nodes = sorted({node for node, _ in _NODES.values()})
+    changed = netlist_elements(elements or {}, design.soldered.operational_amplifier)
     with Session(netlist, parameters, nodes, time_limit) as session:
-        session.change({f"xcard.{name}": value for name, value in (elements or {}).items()})
+        session.change({f"xcard.{name}": value for name, value in changed.items()})
         waves = session.run(Transient(float(times[-1] - times[0]), longest_step))
     channels = {"demand": wanted, **_channels(waves, times - times[0], _sensitivity(rig))}
     controller = card_of(design, elements=elements, relay=relay)

@@ -3,9 +3,9 @@
 import click
 
 from analog_card.command_line.tolerance import parsed_limits, report, study_options
+from analog_card.command_line.tolerance_options import with_tolerances
 from analog_card.console import progress
 from analog_card.design_file import load_design
-from analog_card.tolerance import Tolerances
 from pneuservo.rigs import load_rig
 from pneuservo.tolerance import ALL_FIGURES, study_loop
 
@@ -31,17 +31,17 @@ def command(
     out: str | None,
     design_file: str | None,
     as_json: bool,
-    **tolerances: float,
+    **tolerances: float | None,
 ) -> None:
     """Study what tolerances of the card do to the closed loop.
 
     A step of 30 % of the stroke with the boundary layer and with the relay: settling, error and
-    limit cycle of every card, worst cases by corners, and which part matters most.
+    limit cycle of every card, worst cases by corners, and which part matters most. Tolerances are
+    those of the design file; options replace them.
     """
     with progress() as step:
         study = study_loop(
-            load_design(design_file),
-            Tolerances(**tolerances),
+            with_tolerances(load_design(design_file), tolerances),
             load_rig(rig),
             trials,
             seed,

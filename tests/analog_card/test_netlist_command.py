@@ -159,7 +159,7 @@ def test_a_failure_of_ngspice_is_a_message(analog_card, tmp_path):
 def test_opamp_table(analog_card):
     result = analog_card("opamp")
     assert result.exit_code == 0
-    assert result.output.count("pass") == 21
+    assert result.output.count("pass") == 22
     assert "FAIL" not in result.output
     assert "[3] rise time" in result.output
     found = json.loads(analog_card("opamp --json").output)

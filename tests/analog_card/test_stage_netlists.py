@@ -231,11 +231,12 @@ def test_temperatures_converge(tmp_path, temperature):
     file = tmp_path / "card.cir"
     text = re.sub(r"\.include (\S+)", rf".include {netlists.ROOT}/\1", netlists.CARD.read_text())
     file.write_text(text.replace(".options", f".temp {temperature}\n.options"))
-    point = run(file, OperatingPoint(), {"demand_one": 9})
+    point = run(file, OperatingPoint(), {"demand_one": 9, "card_temperature": temperature})
     cold = run(netlists.CARD, OperatingPoint(), {"demand_one": 9})
     assert point["control1"][0] == pytest.approx(5.0, rel=0.03)
     assert point["xone.clamped"][0] != cold["xone.clamped"][0]
-    result = run(file, Transient(15e-3, 50e-6), save=["velocity1"])
+    warm = {"card_temperature": temperature}
+    result = run(file, Transient(15e-3, 50e-6), warm, save=["velocity1"])
     assert result.time[-1] == pytest.approx(15e-3)
 
 

@@ -1,12 +1,15 @@
 """Netlist against behaviour: the recommended card, another, and a model that lacks something."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from analog_card.behaviour import Imperfections
+from analog_card.command_line import main
 from analog_card.design_file import load_design
 from analog_card.verification import Deviation, verify
 from analog_card.verification_plot import picture
@@ -89,14 +92,35 @@ def test_numbers_and_pictures(result):
     assert picture(result).startswith(b"\x89PNG")
 
 
-def test_the_tolerance_in_time_is_one_microsecond(result):
+def test_only_what_switches_is_allowed_play_and_only_where_it_needs_it(result):
+    played = {(item.stage, item.quantity) for item in result.deviations if item.play}
+    switched = {"comparator", "clamped", "control"}
+    assert played == {(node, case) for node in switched for case in ("step", "overload", "relay")}
+    for item in result.deviations:
+        assert item.play in (0.0, 1e-6)
+        if item.play:
+            assert item.worst < item.limit < item.without_play
+        else:
+            assert item.worst == item.without_play
+
+
+def test_play_is_one_microsecond(result):
     case = result.transients[0]
     late = {node: np.roll(wave, 1) for node, wave in case.netlist.items()}
     later = {node: np.roll(wave, 3) for node, wave in case.netlist.items()}
     inside = slice(5, -5)
-    assert replace(case, model=late).deviation("comparator")[inside].max() == 0
-    assert replace(case, model=later).deviation("comparator")[inside].max() > 1
+    assert replace(case, model=late).deviation("comparator", 1e-6)[inside].max() == 0
+    assert replace(case, model=late).deviation("comparator")[inside].max() > 0
+    assert replace(case, model=later).deviation("comparator", 1e-6)[inside].max() > 1
+
+
+def test_the_table_says_where_edges_may_shift():
+    done = CliRunner().invoke(main, ["verify"], env={"COLUMNS": "140"})
+    assert done.exit_code == 0, done.output
+    assert re.search(r"control .* overload .* pass, edges ±1 µs; without 1\d %", done.output)
+    assert re.search(r"control .* sine .* pass *│$", done.output, re.MULTILINE)
+    assert "Edges: behind the boundary-layer amplifier" in done.output
 
 
 def test_a_deviation_beyond_its_limit_fails():
-    assert not Deviation("first", "gain", "dB", "", 0.2, 1e3, 0.1).passed
+    assert not Deviation("first", "gain", "dB", "", 0.2, 1e3, 0.1, 0.0, 0.2).passed

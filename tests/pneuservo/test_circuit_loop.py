@@ -1,5 +1,9 @@
 """The card's netlist in closed loop with the plant's netlist, against their behaviour."""
 
+import re
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -11,13 +15,13 @@ from analog_card.design_file import load_design
 from analog_card.netlist_text import read_netlist, spice_number
 from analog_card.ngspice import Transient, run
 from pneuservo.circuit_loop import simulate_circuit_loop
+from pneuservo.circuit_loop.loop import CLOSED_LOOP
 from pneuservo.circuit_loop.valve_netlist import valve_netlist
 from pneuservo.controllers import card_of
 from pneuservo.errors import InputError
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import InitialState, simulate, step_demand
 
-PLANT = netlists.ROOT / "plant.cir"
 NO_OFFSETS = {offset_name(name): 0.0 for name in AMPLIFIERS}
 
 
@@ -27,9 +31,23 @@ def test_the_valve_tables_of_the_netlist_are_those_of_the_rig():
 
 
 def test_the_values_of_the_netlist_are_those_of_the_rig():
-    rig, parameters = load_rig("single-axis"), read_netlist(PLANT).parameters
+    rig, parameters = load_rig("single-axis"), read_netlist(netlists.PLANT).parameters
     values = {name: rig[key] for name, key in rig.conditions.items()}
     assert {name: spice_number(parameters[name]) for name in values} == pytest.approx(values)
+
+
+@pytest.mark.skipif(shutil.which("ngspice") is None, reason="the ngspice program is not installed")
+@pytest.mark.parametrize("path", [netlists.PLANT, CLOSED_LOOP], ids=lambda path: path.stem)
+def test_batch_ngspice_runs_it(path):
+    # As it stands but for the length of the run, which costs 3 s for each second.
+    text = re.sub(r"^\.tran 20u \w+", ".tran 20u 20m", path.read_text(), flags=re.MULTILINE)
+    done = subprocess.run(
+        ["ngspice", "-b"], input=text, cwd=path.parent, capture_output=True, text=True, timeout=60
+    )
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said[-2000:]
+    assert re.search(r"No\. of Data Rows : 1\d\d\d", said)
+    assert not re.search(r"^(error|warning: can't|.*singular|.*abort)", said, re.I | re.M)
 
 
 @pytest.mark.ngspice
@@ -48,7 +66,7 @@ def test_the_values_of_the_netlist_are_those_of_the_rig():
 def test_the_plant_follows_the_compiled_plant(command, limit):
     time = np.arange(0.0, 0.25, 1e-4)
     pulse = np.where((time >= 0.01 - 1e-9) & (time < 0.21 - 1e-9), command, 0.0)
-    waves = run(PLANT, Transient(0.25, 20e-6), {"valve_command": command})
+    waves = run(netlists.shipped()["plant"], Transient(0.25, 20e-6), {"valve_command": command})
     compiled = simulate(time=time, command=pulse, initial=InitialState(0.015))
     moved = waves.at(time, "transducer") * 3e-3
     assert moved == pytest.approx(compiled["displacement"], abs=limit)
@@ -70,6 +88,11 @@ def test_the_loop_with_a_boundary_layer_agrees_with_the_behavioural_loop():
     # The taps: minus R C times the velocity, but for the filters and what the solver's steps leave.
     expected = -circuit["velocity"] * 0.012 * 1e3 / 3
     assert circuit["card_velocity"] == pytest.approx(expected, abs=0.02 * np.abs(expected).max())
+    # The integral of the acceleration is the velocity: trapezoidal rule at 2 kHz, oscillations of
+    # 170 Hz, (2 pi 170/2000)^2/12 = 2.4 % of their 10 mm/s.
+    steps = (circuit["acceleration"][1:] + circuit["acceleration"][:-1]) / 2 * 0.5e-3
+    assert np.cumsum(steps) == pytest.approx(circuit["velocity"][1:], abs=0.3e-3)
+    assert behaviour.channels.keys() == circuit.channels.keys()
 
 
 @pytest.mark.ngspice
