@@ -1,0 +1,137 @@
+"""The way to the surface and along it: reaching time, and what is left against disturbances."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from analog_card.linear_servo import LinearServo
+from pneuservo.errors import InputError
+from pneuservo.linear.models import state_matrices
+from pneuservo.sliding_mode.surface import Surface
+
+Array = NDArray[np.float64]
+
+# How finely a motion is looked at, and after how long at full voltage it is given up [s].
+_STEP, _LONGEST = 2e-4, 2.0
+_MOST_POINTS = 5000
+
+
+@dataclass(frozen=True)
+class ReachingPhase:
+    """A motion at full voltage up to the surface.
+
+    Attributes
+    ----------
+    time : float
+        When the surface is reached [s].
+    voltage : float
+        With its sign [V].
+    states : (n, 3) array
+        Error [m], velocity [m/s] and acceleration [m/s2] on the way, the last on the surface.
+    """
+
+    time: float
+    voltage: float
+    states: Array
+
+
+def reaching_phase(
+    servo: LinearServo, surface: Surface, level: float, error: float
+) -> ReachingPhase:
+    """Return the motion of a linear servo from rest to the surface.
+
+    Parameters
+    ----------
+    servo : LinearServo
+        The servo, with or without the dynamics of its valve.
+    surface : Surface
+        Of order 2.
+    level : float
+        Of the relay [V].
+    error : float
+        Displacement less demand at the start, not zero [m].
+
+    Returns
+    -------
+    ReachingPhase
+        Up to the first time that the switching function is zero.
+
+    Raises
+    ------
+    InputError
+        When the error is zero, or the surface is not reached within 2 s.
+
+    Notes
+    -----
+    Exact: the voltage is constant until then, and the servo linear.
+
+    Examples
+    --------
+    >>> from pneuservo.linear import advanced_servo, table_5_2, without_valve
+    >>> from pneuservo.sliding_mode.surface import surface_from_settling_time
+    >>> servo = without_valve(advanced_servo(table_5_2(), 0.015, extending=True))
+    >>> surface = surface_from_settling_time(0.07)
+    >>> round(reaching_phase(servo, surface, 5.0, -0.03).time, 3)  # the thesis: 0.065 s
+    0.063
+    """
+    if error == 0.0:
+        raise InputError("the error is 0: the motion starts on the surface already")
+    a, b = state_matrices(servo)
+    voltage = -np.sign(error) * level
+    # The constant voltage as one more state.
+    order = len(a)
+    augmented = np.zeros((order + 1, order + 1))
+    augmented[:order, :order], augmented[:order, order] = a, b[:, 0]
+    start = np.zeros(order + 1)
+    start[0], start[-1] = error, voltage
+    weights = np.array(surface.weights)
+
+    def sigma(state: Array) -> float:
+        return float(-weights @ state[:3]) * np.sign(voltage)
+
+    step = expm(augmented * _STEP)
+    states = [start]
+    while sigma(following := step @ states[-1]) > 0.0:
+        states.append(following)
+        if len(states) * _STEP > _LONGEST:
+            raise InputError(
+                f"the surface is not reached within {_LONGEST:g} s at {level:g} V; give a higher "
+                "level or a shorter settling time"
+            )
+    rest = brentq(lambda t: sigma(expm(augmented * t) @ states[-1]), 0.0, _STEP, xtol=1e-12)
+    at = float((len(states) - 1) * _STEP + rest)
+    states.append(expm(augmented * rest) @ states[-1])
+    return ReachingPhase(at, float(voltage), np.array(states)[:, :3])
+
+
+def sliding_phase(surface: Surface, state: Array, duration: float | None = None) -> Array:
+    """Return the ideal motion along a surface.
+
+    Parameters
+    ----------
+    surface : Surface
+        Of order 2.
+    state : (3,) array
+        On the surface: error, velocity and acceleration [m], [m/s], [m/s2].
+    duration : float, optional
+        By default until it has settled, twice the settling time [s].
+
+    Returns
+    -------
+    (n, 3) array
+        Error, velocity and acceleration.
+    """
+    c1, c2, c3 = surface.weights
+    motion = np.array([[0.0, 1.0], [-c1 / c3, -c2 / c3]])
+    length = 2 * surface.settling_time if duration is None else duration
+    count = min(math.ceil(length / _STEP), _MOST_POINTS)
+    step = expm(motion * length / count)
+    states = [np.asarray(state[:2], float)]
+    for _ in range(count):
+        states.append(step @ states[-1])
+    both = np.array(states)
+    return np.column_stack((both, both @ motion[1]))

@@ -1,0 +1,1 @@
+"""The reproduction: every table and stated result of the thesis, recomputed."""

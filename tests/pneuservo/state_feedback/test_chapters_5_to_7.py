@@ -1,0 +1,81 @@
+"""The reproduction of chapters 5 to 7 of the thesis."""
+
+import pytest
+
+from pneuservo.thesis import chapter_5, chapter_6, chapter_7
+from pneuservo.thesis.statements import Finding, statement_row
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return {row.id: row for chapter in (chapter_5, chapter_6, chapter_7) for row in chapter.rows()}
+
+
+def test_table_5_5_with_reconciled_parameters(rows):
+    # E6 of the errata: Kp within 0.19 %, Kv within 0.0002.
+    for direction in ("retraction", "extension"):
+        for position in (1, 2, 3):
+            gain = rows[f"5.5-{direction}-Kp-{position}"]
+            assert gain.reconciled == pytest.approx(gain.stated, rel=1.9e-3)
+            velocity = rows[f"5.5-{direction}-Kv-{position}"]
+            assert velocity.reconciled == pytest.approx(velocity.stated, abs=2e-4)
+            # As printed 5 to 21 % off, as the errata say.
+            assert 0.05 < gain.printed / gain.stated - 1 < 0.21
+            assert rows[f"5.5-{direction}-Ka-{position}"].verdict == "reproduced"
+
+
+def test_table_5_4_within_what_the_errata_say(rows):
+    for position in (1, 2, 3):
+        gain = rows[f"5.4-Kp-{position}"]
+        assert -0.07 < gain.printed / gain.stated - 1 < -0.028
+
+
+def test_what_has_to_be_reproduced_is(rows):
+    for row in (
+        *(f"5.3-{way}-{chamber}" for way in ("extension", "retraction") for chamber in "ab"),
+        "5.8-advanced-direction",
+        "5.17-retraction-gains",
+        "5.18-extension-gains",
+        "5.21-non-linear",
+        "5.24-three-models",
+        "6.3-steep-line",
+        "7.12-velocity",
+        "7.12-acceleration",
+        "7.12-jerk_peak",
+        "7.12-reaching-time",
+        "7.2-one-side",
+        "7.10-slower-violates",
+        "7.15-c1",
+    ):
+        assert rows[row].verdict == "reproduced", row
+
+
+def test_contradictions_of_the_thesis_are_told(rows):
+    assert "contradicts itself" in rows["5.10-gain"].reason
+    assert "contradicts itself" in rows["7.5.3-shortest"].reason
+    assert rows["7.5.3-shortest"].printed == pytest.approx(0.0126, abs=5e-5)
+    assert rows["7.7-10-bar"].verdict == "not"
+    assert rows["7.13-highest-acceleration"].verdict == "not"
+
+
+def test_every_row_has_an_id_of_its_own_and_a_source(rows):
+    count = sum(len(chapter.rows()) for chapter in (chapter_6, chapter_7))
+    assert count == sum(1 for row in rows if row[0] in "67")
+    assert all(row.source for row in rows.values())
+
+
+def test_a_statement_that_does_not_hold_needs_a_reason():
+    found = Finding(False, "stable")
+    with pytest.raises(ValueError, match="needs a reason"):
+        statement_row("x", "gains", "unstable", found, "Fig")
+    assert statement_row("x", "gains", "unstable", found, "Fig", "why").verdict == "not"
+    assert (
+        statement_row("x", "gains", "unstable", found, "Fig", "why", in_kind=True).verdict
+        == "in kind"
+    )
+
+
+def test_pictures_are_drawn(tmp_path):
+    files = chapter_6.pictures(tmp_path)
+    assert {file.name for file in files} == {"chapter-6-phase-plane.svg", "chapter-6-domain.svg"}
+    assert all(file.stat().st_size > 5000 for file in files)
