@@ -1,10 +1,10 @@
 # make run [RECORDING=FILE]   set up, then the main job; prints where the report is
 # make test                   set up, then checks and tests
 # make check                  lint, format and types
-# make benchmark              what is measured, as ratios
+# make bench                  what is measured, as ratios, and benchmarks/results.json
 # make clean                  remove everything that was made
 .DEFAULT_GOAL := run
-.PHONY: run test check benchmark clean
+.PHONY: run test check bench clean
 BIN := .venv/bin
 
 .venv/.ready: pyproject.toml constraints.txt .ci/setup
@@ -19,9 +19,9 @@ check: .venv/.ready
 	@$(BIN)/mypy --no-error-summary
 
 test: check
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest -n 2 --dist loadfile
 
-benchmark: .venv/.ready
+bench: .venv/.ready
 	@$(BIN)/python -m benchmarks
 
 clean:

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar
 
 from analog_card.behaviour import CardBehaviour, Imperfections
 from analog_card.design import Design
@@ -246,6 +246,30 @@ CONTROLLERS: dict[str, type[Controller]] = {
     controller.kind: controller
     for controller in (SlidingMode, Proportional, StateFeedback, AnalogueCard)
 }
+
+
+def controller_settings(controller: Controller) -> dict[str, Any]:
+    """Return the settings of a controller as plain values, for documents.
+
+    Parameters
+    ----------
+    controller : Controller
+        Any of this module.
+
+    Returns
+    -------
+    dict of str to anything
+        By the names of its parameters; of a behavioural card's design only the title.
+
+    Examples
+    --------
+    >>> controller_settings(Proportional(gain=2.0))
+    {'gain': 2.0, 'level': 5.0}
+    """
+    settings = asdict(controller)
+    if isinstance(controller, AnalogueCard) and controller.behaviour is not None:
+        settings["behaviour"]["design"] = controller.behaviour.design.title
+    return settings
 
 
 def _sensitivity(rig: Rig) -> float:

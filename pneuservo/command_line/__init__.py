@@ -10,10 +10,17 @@ from pneuservo.errors import PneuservoError
 
 _COMMANDS = {
     "bench-tune": "Tune a card by its step response: P1 and P2, then P3.",
+    "calibrate": "Calibrate a valve or a leak from the pressure of a dead volume.",
+    "campaign": "Run a closed loop over grids and distributions of any of its numbers.",
+    "challenge": "Put the diagnosis on trial: conceal effects, diagnose blindly, score.",
     "demo": "The main job end to end: tune, simulate, close the loop, diagnose, report.",
+    "design": "Design a sliding-mode controller: weights, boundary layer, level, reachability.",
     "detectable": "Say which chattering a converter still sees.",
     "diagnose": "Say where and why a simulation differs from recordings.",
+    "identify": "Identify mass, friction and other values of a rig from recordings.",
+    "limit-cycle": "Find how fast and how far a sliding-mode loop chatters, by every method.",
     "simulate": "Simulate a rig: replay a recording's command, or close a loop.",
+    "thesis": "Recompute the thesis' tables and stated results, with a verdict on each.",
     "tolerance": "Study what tolerances of the card do to the closed loop.",
 }
 

@@ -4,7 +4,6 @@ import dataclasses
 import io
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,34 +12,32 @@ from typing import Any
 import click
 import numpy as np
 
+from analog_card.behaviour import Imperfections
 from analog_card.console import Quantity
 from analog_card.files import write_whole
-from analog_card.quantities import to_si
-from pneuservo.controllers import CONTROLLERS, AnalogueCard, Controller
+from pneuservo.command_line.loop_controller import (
+    CARDS,
+    UNITS,
+    LoopController,
+    loop_controller,
+    written,
+)
+from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
-from pneuservo.naming import nearest
 from pneuservo.recordings import CHANNELS, Recording, read_recording, write_recording
-from pneuservo.rigs import Rig, load_rig
-from pneuservo.simulation import Simulation, replay, simulate, step_demand
+from pneuservo.rigs import load_rig
+from pneuservo.simulation import Simulation, replay, step_demand
+from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import require_kind
+from pneuservo.simulation.phase_plane import require_surface
 from pneuservo.simulation.replay import initial_state
 
-_HOLD, _RATE = 0.5, 1000.0
-_RECORDING_SUFFIXES = (".csv", ".parquet", ".h5", ".hdf5", ".mat", ".tdms")
 _PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
-_NUMBER = re.compile(r"[-+]?[.\d]+([eE][-+]?\d+)?")
-# Options that shape a controller, and the controllers that take them.
-_TUNING = ("settling_time", "damping", "boundary_layer", "level")
-_TAKEN = {
-    "sliding-mode": _TUNING,
-    "proportional": ("gain", "level"),
-    "state-feedback": ("gain", "velocity_gain", "acceleration_gain", "level"),
-    "analogue-card": (*_TUNING, "design"),
-}
 
 EXAMPLES = """\b
 Examples:
   pneuservo simulate --controller sliding-mode --demand "15,24,6,15 mm" --out loop.csv
+  pneuservo simulate --controller analogue-card --card behaviour --demand "15,24 mm"
   pneuservo simulate --replay loop.csv --out replayed.csv
 """
 
@@ -53,18 +50,43 @@ Examples:
 @click.option("--demand", metavar="LIST|RECORDING", help='Set points, such as "15,24,6,15 mm".')
 @click.option("--hold", type=Quantity("s", 0.0), help="Time at each set point.  [default: 0.5 s]")
 @click.option("--rate", type=Quantity("Hz", 0.0), help="Samples per second.  [default: 1 kHz]")
-@click.option("--settling-time", type=Quantity("s"), help="Of the surface.  [default: 70 ms]")
-@click.option("--damping", type=Quantity(""), help="Of the surface.  [default: 1]")
 @click.option(
-    "--boundary-layer", type=Quantity("m/s**2"), help="0 is a relay.  [default: 5 m/s**2]"
+    "--settling-time",
+    type=Quantity(UNITS["settling_time"]),
+    help="Of the surface.  [default: 70 ms]",
 )
-@click.option("--level", type=Quantity("V"), help="Largest output.  [default: 5 V]")
-@click.option("--gain", type=Quantity(""), help="Of the displacement, in V/V.")
-@click.option("--velocity-gain", type=Quantity("s"), help="Of the velocity.")
-@click.option("--acceleration-gain", type=Quantity("s**2"), help="Of the acceleration.")
+@click.option("--damping", type=Quantity(UNITS["damping"]), help="Of the surface.  [default: 1]")
+@click.option(
+    "--boundary-layer",
+    type=Quantity(UNITS["boundary_layer"]),
+    help="0 is a relay.  [default: 5 m/s**2]",
+)
+@click.option("--level", type=Quantity(UNITS["level"]), help="Largest output.  [default: 5 V]")
+@click.option("--gain", type=Quantity(UNITS["gain"]), help="Of the displacement, in V/V.")
+@click.option("--velocity-gain", type=Quantity(UNITS["velocity_gain"]), help="Of the velocity.")
+@click.option(
+    "--acceleration-gain", type=Quantity(UNITS["acceleration_gain"]), help="Of the acceleration."
+)
 @click.option("--design", metavar="FILE", help="Design of the card; turned as it says, or tuned.")
+@click.option(
+    "--card",
+    type=click.Choice(CARDS),
+    help="What the card is simulated by: its nominal figures, its behaviour with every "
+    "imperfection, or its circuit in ngspice.  [default: figures]",
+)
+@click.option(
+    "--without",
+    multiple=True,
+    type=click.Choice([item.name.replace("_", "-") for item in dataclasses.fields(Imperfections)]),
+    help="Leave an imperfection out of the card's behaviour; may be repeated.",
+)
 @click.option("--out", metavar="FILE", help="Write all channels: .csv, .parquet or .h5.")
 @click.option("--plot", metavar="FILE", help="Draw the run: .svg, .png or .pdf.")
+@click.option(
+    "--phase-plane",
+    metavar="FILE",
+    help="Draw the phase plane with sliding surface and boundary layer: .svg, .png or .pdf.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON, nothing else.")
 def command(
     rig: str | None,
@@ -76,7 +98,9 @@ def command(
     rate: float | None,
     out: str | None,
     plot: str | None,
+    phase_plane: str | None,
     as_json: bool,
+    without: tuple[str, ...],
     **shape: Any,
 ) -> None:
     """Simulate a rig: replay the command of a recording, or close a loop.
@@ -85,28 +109,38 @@ def command(
     the next. A closed loop starts at rest at the first set point.
     """
     given = {name: value for name, value in shape.items() if value is not None}
-    _require_picture(plot)
+    if without:
+        given["without"] = tuple(name.replace("-", "_") for name in without)
+    _require_picture("--plot", plot)
+    _require_picture("--phase-plane", phase_plane)
     source: Recording | None = None
+    loop: LoopController | None = None
     if replayed is not None and controller is not None:
         raise InputError(
             "--replay and --controller exclude each other: a replayed command leaves nothing to "
             "control. For the set points of a recording use --controller with --demand RECORDING"
         )
     if replayed is not None:
-        _refuse({"demand": demand, "hold": hold, "rate": rate, **given}, "a replay")
+        _refuse(
+            {"demand": demand, "hold": hold, "rate": rate, "phase_plane": phase_plane, **given},
+            "a replay",
+        )
         source = _read(replayed, rig)
         result = _replay(source, rig, port)
     elif controller is not None:
         _refuse({"port": port}, "a closed loop")
-        law = _controller(controller, given)
-        result, source = _closed_loop(law, rig, demand, hold, rate)
+        loop = loop_controller(controller, given)
+        if phase_plane is not None:
+            require_surface(loop.controller)
+        result, source = _closed_loop(loop, rig, demand, hold, rate)
     else:
         raise InputError(
             f"say what to simulate: --replay RECORDING, or --controller with one of: "
             f"{', '.join(CONTROLLERS)}"
         )
-    _write(result, source, out, plot)
-    report = _report(result, source, out, plot)
+    files = {"out": out, "plot": plot, "phase_plane": phase_plane}
+    _write(result, source, loop, files)
+    report = _report(result, source, loop, files)
     if as_json:
         click.echo(json.dumps(_finite(report), indent=2))
     else:
@@ -124,7 +158,7 @@ def _replay(source: Recording, rig_name: str | None, port: str | None) -> Simula
 
 
 def _closed_loop(
-    controller: Controller,
+    loop: LoopController,
     rig_name: str | None,
     demand: str | None,
     hold: float | None,
@@ -132,79 +166,21 @@ def _closed_loop(
 ) -> tuple[Simulation, Recording | None]:
     if demand is None:
         raise InputError('a closed loop needs --demand, such as --demand "15,24,6,15 mm"')
-    if Path(demand).suffix.lower() not in _RECORDING_SUFFIXES:
-        rig = require_kind(rig_name or "single-axis", "single-axis")
-        values = _set_points(demand, rig)
-        time, samples = step_demand(values, hold or _HOLD, rate or _RATE)
-        return simulate(rig, time=time, controller=controller, demand=samples), None
+    if not names_recording(demand):
+        rig = require_kind(rig_name or "single-axis", "single-axis", effects=True)
+        values = set_points(demand, rig["piston.stroke"], "--demand")
+        time, samples = step_demand(values, hold or HOLD, rate or RATE)
+        return loop.run(rig, time, samples), None
     _refuse({"hold": hold, "rate": rate}, "a recorded demand")
     source = _read(demand, rig_name)
     if "demand" not in source:
         raise InputError(
             f"{demand}: there is no channel demand; there are: {', '.join(source.channels)}"
         )
-    rig = require_kind(rig_name or source.rig, "single-axis").with_conditions(source.conditions)
+    rig = require_kind(rig_name or source.rig, "single-axis", effects=True)
+    rig = rig.with_conditions(source.conditions)
     start = initial_state(source, rig, _warn)
-    result = simulate(
-        rig, time=source.time, controller=controller, demand=source["demand"], initial=start
-    )
-    return result, source
-
-
-def _controller(name: str, given: Mapping[str, Any]) -> Controller:
-    if name not in CONTROLLERS:
-        raise InputError(
-            f"controller {name!r} is not known; there are: {', '.join(CONTROLLERS)}"
-            f"{nearest(name, CONTROLLERS)}"
-        )
-    for option in given:
-        if option not in _TAKEN[name]:
-            raise InputError(
-                f"{_option(option)} is not an option of the controller {name}; "
-                f"it takes: {', '.join(map(_option, _TAKEN[name]))}"
-            )
-    if name == AnalogueCard.kind:
-        return _card(given)
-    make: Any = CONTROLLERS[name]
-    made: Controller = make(**given)
-    return made
-
-
-def _card(given: Mapping[str, Any]) -> AnalogueCard:
-    from analog_card.design_file import load_design
-    from analog_card.figures import card_figures
-    from analog_card.tuning import tune
-
-    design = load_design(given.get("design"))
-    wanted = {name: given[name] for name in _TUNING if name in given}
-    if not wanted:
-        return AnalogueCard(card_figures(design))
-    relay = wanted.get("boundary_layer") == 0.0
-    if relay:
-        del wanted["boundary_layer"]
-    figures = tune(**{"settling_time": 0.07, **wanted, "design": design}).figures
-    if relay:
-        # The feedback of the boundary-layer amplifier is opened.
-        figures = dataclasses.replace(figures, output_gain=math.inf)
-    return AnalogueCard(figures)
-
-
-def _set_points(text: str, rig: Rig) -> list[float]:
-    """Return set points [m]; one without a unit has the unit of the last."""
-    parts = [part.strip() for part in text.split(",")]
-    units = [_NUMBER.sub("", part, count=1).strip() for part in parts]
-    stroke = rig["piston.stroke"]
-    values = []
-    for part, unit in zip(parts, units, strict=True):
-        quantity = part if unit or not part else f"{part} {units[-1] or 'm'}"
-        value = to_si(quantity, "m", "--demand")
-        if not 0.0 <= value <= stroke:
-            raise InputError(
-                f"--demand: {quantity} is outside the stroke, 0 to {stroke * 1e3:g} mm; "
-                'give the unit once or with each, such as "15,24,6,15 mm"'
-            )
-        values.append(value)
-    return values
+    return loop.run(rig, source.time, source["demand"], start), source
 
 
 def _read(path: str, rig: str | None) -> Recording:
@@ -214,18 +190,28 @@ def _read(path: str, rig: str | None) -> Recording:
     return recording
 
 
-def _write(result: Simulation, source: Recording | None, out: str | None, plot: str | None) -> None:
-    if out is not None:
-        recording = result.to_recording(Path(out).stem)
+def _write(
+    result: Simulation,
+    source: Recording | None,
+    loop: LoopController | None,
+    files: Mapping[str, str | None],
+) -> None:
+    if files["out"] is not None:
+        recording = result.to_recording(Path(files["out"]).stem)
         # So that the recording that was read is never written over.
         read_from = source.source if source is not None else None
-        with _named("--out", out):
-            write_recording(dataclasses.replace(recording, source=read_from), out)
-    if plot is not None:
-        picture = io.BytesIO()
-        result.figure().savefig(picture, format=Path(plot).suffix[1:].lower(), dpi=150)
-        with _named("--plot", plot):
-            write_whole(plot, picture.getvalue())
+        title = loop.title if loop else recording.title
+        with _named("--out", files["out"]):
+            write_recording(
+                dataclasses.replace(recording, source=read_from, title=title), files["out"]
+            )
+    for option, draw in (("plot", result.figure), ("phase_plane", result.phase_plane)):
+        file = files[option]
+        if file is not None:
+            picture = io.BytesIO()
+            draw().savefig(picture, format=Path(file).suffix[1:].lower(), dpi=150)
+            with _named(written(option), file):
+                write_whole(file, picture.getvalue())
 
 
 @contextmanager
@@ -239,7 +225,10 @@ def _named(option: str, path: str) -> Iterator[None]:
 
 
 def _report(
-    result: Simulation, source: Recording | None, out: str | None, plot: str | None
+    result: Simulation,
+    source: Recording | None,
+    loop: LoopController | None,
+    files: Mapping[str, str | None],
 ) -> dict[str, Any]:
     controller = result.controller
     report: dict[str, Any] = {
@@ -247,11 +236,10 @@ def _report(
         "controller": None,
         "samples": len(result),
         "duration": float(result.time[-1] - result.time[0]),
-        "out": out,
-        "plot": plot,
+        **files,
     }
     if controller is not None:
-        report["controller"] = {"kind": controller.kind, **dataclasses.asdict(controller)}
+        report["controller"] = {"kind": controller.kind, **controller_settings(controller)}
         report["steps"] = [dataclasses.asdict(step) for step in result.step_responses()]
         report["steady_state_error"] = result.steady_state_error()
         cycle = result.limit_cycle()
@@ -296,7 +284,7 @@ def _print(report: Mapping[str, Any]) -> None:
         for name, entry in report["difference"].items():
             table.add_row(name, f"{entry['rms']:.3g} {entry['unit']}".strip())
         console.print(table)
-    for key in ("out", "plot"):
+    for key in ("out", "plot", "phase_plane"):
         if report[key]:
             console.print(f"written: {report[key]}", soft_wrap=True, markup=False)
 
@@ -319,16 +307,14 @@ def _finite(value: Any) -> Any:
 def _refuse(options: Mapping[str, Any], what: str) -> None:
     for name, value in options.items():
         if value is not None:
-            raise InputError(f"{_option(name)} is not used by {what}; leave it out")
+            raise InputError(f"{written(name)} is not used by {what}; leave it out")
 
 
-def _option(name: str) -> str:
-    return "--" + name.replace("_", "-")
-
-
-def _require_picture(plot: str | None) -> None:
-    if plot is not None and Path(plot).suffix.lower() not in _PICTURE_SUFFIXES:
-        raise InputError(f"--plot {plot}: a picture ends in one of: {', '.join(_PICTURE_SUFFIXES)}")
+def _require_picture(option: str, file: str | None) -> None:
+    if file is not None and Path(file).suffix.lower() not in _PICTURE_SUFFIXES:
+        raise InputError(
+            f"{option} {file}: a picture ends in one of: {', '.join(_PICTURE_SUFFIXES)}"
+        )
 
 
 def _warn(message: str) -> None:

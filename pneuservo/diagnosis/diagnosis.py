@@ -69,7 +69,8 @@ class Diagnosis:
         may be coloured too, but it does not know where the piston is.
         """
         chosen, cases = self.search.chosen, self.search.cases
-        ratio = chosen.rms / self.search.noise_rms
+        noise = self.search.noise_rms
+        ratio = max(chosen.rms_of(channel) for channel in chosen.effective) / noise
         if ratio < SUSPICIOUS_RATIO:
             return False
         known = all(case.channel in case.recording.noise_rms for case in cases)
@@ -157,7 +158,7 @@ def diagnose(
         if held_back:
             progress("predicting what was held back")
             before, after = (
-                fit(model, held_back, found.hypothesis, fixed=found.shared)
+                fit(model, held_back, found.hypothesis, fixed=found.shared, reference=cases[0])
                 for found in (search.baseline, search.chosen)
             )
     return Diagnosis(chosen_rig, model, search, held_back, before, after)

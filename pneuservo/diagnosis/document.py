@@ -1,11 +1,14 @@
 """The answer in the form of the output contract: diagnosis.json and model.toml."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pneuservo.diagnosis.diagnosis import Diagnosis
+from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
+from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.search import SMALLEST_SHARE, UNDECIDED, Search
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE
@@ -173,7 +176,7 @@ def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
     )
     return {
         "effect": "unexplained",
-        "block": search.model.block,
+        "block": _guilty(search),
         "statement": f"Nothing in the catalogue explains what is left; it {shape}.",
         "equation": "",
         "parameters": {},
@@ -181,6 +184,12 @@ def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
         "class": ["unexplained"],
         "alternatives": [],
     }
+
+
+def _guilty(search: Search) -> str:
+    """Return the block that most of what is left belongs to."""
+    suspects = search.model.suspects(search.cases, search.chosen.residuals, search.noise)
+    return max(suspects, key=lambda block: suspects[block])
 
 
 def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
@@ -224,7 +233,9 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     # What nothing explains belongs to the block whose output is judged.
     rest = max(0.0, 1.0 - sum(shares.values()))
     if rest > SMALLEST_SHARE or not shares:
-        blame(search.model.block, rest, np.concatenate(search.chosen.residuals) ** 2)
+        left = search.chosen.residuals
+        for block, part in search.model.suspects(search.cases, left, search.noise).items():
+            blame(block, rest * part, np.concatenate(left) ** 2)
     total = sum(shares.values())
     located = [
         {
@@ -257,15 +268,41 @@ def _cannot_separate(
 
 
 def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
-    search = diagnosis.search
-    before, after = diagnosis.before_held_back, diagnosis.after_held_back
+    search, held_back = diagnosis.search, diagnosis.held_back
+    units = {case.channel: case.unit for case in search.cases}
+    noise = [
+        np.full(len(r), level)
+        for r, level in zip(search.baseline.residuals, search.noise, strict=True)
+    ]
     return {
         "channels": {
-            diagnosis.model.channel: {
-                "noise_rms": search.noise_rms,
-                "unit": diagnosis.model.unit,
-                "before": {"used": search.baseline.rms, "held_back": before and before.rms},
-                "after": {"used": search.chosen.rms, "held_back": after and after.rms},
+            channel: {
+                "noise_rms": _rms_in(channel, noise, search.cases),
+                "unit": unit,
+                "before": {
+                    "used": _rms_in(channel, search.baseline.residuals, search.cases),
+                    "held_back": _held_back(channel, diagnosis.before_held_back, held_back),
+                },
+                "after": {
+                    "used": _rms_in(channel, search.chosen.residuals, search.cases),
+                    "held_back": _held_back(channel, diagnosis.after_held_back, held_back),
+                },
             }
+            for channel, unit in units.items()
         }
     }
+
+
+def _held_back(channel: str, found: Fit | None, cases: Sequence[Case]) -> float | None:
+    return None if found is None else _rms_in(channel, found.residuals, cases)
+
+
+def _rms_in(channel: str, residuals: Sequence[Any], cases: Sequence[Case]) -> float:
+    """Return the root mean square of what is left of a channel in all recordings [SI]."""
+    return rms(
+        [
+            residual * case.scale
+            for residual, case in zip(residuals, cases, strict=True)
+            if case.channel == channel
+        ]
+    )

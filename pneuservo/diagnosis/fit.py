@@ -11,10 +11,17 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.diagnosis.problem import Problem, problem_with, problems_of
+from pneuservo.diagnosis.steady import SteadySensitivity
 from pneuservo.errors import FitError
 
 _DIFFERENCE_STEP = 1e-6
 _MOST_EVALUATIONS = 60
+_ENOUGH = 1e-5
+"""Relative drop of the sum of squares below which a fit from kept sensitivities ends."""
+_FEW_EVALUATIONS = 15
+_MOST_PASSES = 8
+_SETTLED = 0.03
+"""Relative change of the weights below which they have settled."""
 _INTERVAL = 1.96
 """Half width of a 95 % interval, in standard deviations."""
 
@@ -63,8 +70,14 @@ class Fit:
     finest: Mapping[str, float]
     unknowns: int
     penalty: float
-    jacobian: Array = field(repr=False)
-    """Sensitivity of all residuals to the shared and own values, in scaled units."""
+    scale: Mapping[str, float]
+    """What one residual of each channel counts as one standard deviation."""
+    tolerated: tuple[str, ...]
+    """Values that are known within a tolerance."""
+    distance: Array = field(repr=False)
+    """How far the tolerated values are from nominal, in tolerances."""
+    sensitivity: Array = field(repr=False)
+    """Of all weighted residuals and then of `distance` to all values, in units of the fit."""
     covariance: Array = field(repr=False)
     """Covariance of the shared and then all own values [SI]."""
 
@@ -108,6 +121,34 @@ class Fit:
         return self.jacobian[:, columns]
 
     @property
+    def jacobian(self) -> Array:
+        """Return the sensitivity of the weighted residuals alone."""
+        return self.sensitivity[: self.samples]
+
+    @property
+    def weighted(self) -> Array:
+        """Return all residuals, each counted in the spread of its channel."""
+        return self.weigh(self.residuals)
+
+    def weigh(self, parts: Sequence[Array]) -> Array:
+        """Return residuals or changes of them, each counted in the spread of its channel."""
+        return np.concatenate(parts) / self.row_scale()
+
+    @property
+    def keys(self) -> list[str]:
+        """Return the name of each column of `sensitivity`, shared values first."""
+        return [*self.shared, *(key for own in self.own for key in own)]
+
+    def row_scale(self) -> Array:
+        """Return what each residual counts as one."""
+        return np.concatenate(
+            [
+                np.full(len(part), self.scale[c])
+                for part, c in zip(self.residuals, self.channels, strict=True)
+            ]
+        )
+
+    @property
     def all_effective(self) -> float:
         """Return what all samples together are worth."""
         return sum(self.effective.values())
@@ -126,8 +167,7 @@ class Fit:
             What the samples of each channel are worth; the same for all that are compared.
         """
         misfit = sum(
-            worth * float(np.log(self.rms_of(channel) ** 2))
-            for channel, worth in effective.items()
+            worth * float(np.log(self.rms_of(channel) ** 2)) for channel, worth in effective.items()
         )
         return misfit + self.unknowns * float(np.log(sum(effective.values()))) + self.penalty
 
@@ -138,6 +178,7 @@ def fit(
     hypothesis: Hypothesis,
     near: Fit | None = None,
     fixed: Values | None = None,
+    reference: Case | None = None,
 ) -> Fit:
     """Fit a hypothesis to recordings by simulating them.
 
@@ -153,6 +194,8 @@ def fit(
         A fit of a similar hypothesis to start from.
     fixed : mapping of str to float, optional
         Values of all shared unknowns; only each recording's own are then fitted.
+    reference : Case, optional
+        The recording that `fixed` is stated for; the first one where it is not given.
 
     Returns
     -------
@@ -175,14 +218,16 @@ def fit(
             problems_of(model, cases, hypothesis, (near.shared, near.own) if near else None)
         )
     else:
-        best = problem_with(model, cases, hypothesis, fixed)
+        best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
         if not best.unknowns:
             return _summary(hypothesis, best, np.empty(0), fixed)
     vector = np.asarray(best.begin) / best.units
-    # Twice: the weights, and with them the intervals, follow from the misfit that is left.
-    for _ in range(2):
-        best.scale = _scales(best, vector)
-        vector = _solve(best, vector, hypothesis)
+    # The weights, and with them the intervals, follow from the misfit that is left.
+    for _ in range(_MOST_PASSES if model.steady else 2):
+        before, best.scale = best.scale, _scales(best, vector)
+        if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in best.scale.items()):
+            break
+        vector = _solve(best, vector, hypothesis, near)
     return _summary(hypothesis, best, vector, fixed)
 
 
@@ -222,19 +267,21 @@ def _best_start(problems: list[Problem]) -> Problem:
     return problems[int(order[0])]
 
 
-def _solve(problem: Problem, vector: Array, hypothesis: Hypothesis) -> Array:
+def _solve(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit | None) -> Array:
     from scipy.optimize import least_squares
 
     low, high = problem.bounds
     begin = np.clip(vector, low, high)
+    how: dict[str, Any] = {"diff_step": _DIFFERENCE_STEP, "max_nfev": _MOST_EVALUATIONS}
+    if problem.model.steady:
+        how = {
+            "jac": SteadySensitivity(problem, near),
+            "ftol": _ENOUGH,
+            "max_nfev": _FEW_EVALUATIONS,
+        }
     with np.errstate(all="ignore"):
         found: Any = least_squares(
-            problem.cost_vector,
-            begin,
-            bounds=(low, high),
-            x_scale="jac",
-            diff_step=_DIFFERENCE_STEP,
-            max_nfev=_MOST_EVALUATIONS,
+            problem.cost_vector, begin, bounds=(low, high), x_scale="jac", **how
         )
     if not np.isfinite(found.cost) or found.cost > 1e17:
         tried = ", ".join(hypothesis.members) or "the baseline"
@@ -256,7 +303,7 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
     finest = {channel: problem.resolution(channel) for channel in effective}
     jacobian = problem.jacobian
     if jacobian is None:
-        jacobian = np.zeros((len(everything), len(vector)))
+        jacobian = np.zeros((len(everything) + len(problem.tolerated), len(vector)))
     spread = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(problem.units, problem.units)
     covariance = np.asarray(spread, dtype=np.float64)
     half = _INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
@@ -281,6 +328,9 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         finest,
         len(problem.unknowns),
         float(np.sum(problem.distance(vector) ** 2)),
-        jacobian[: len(everything)],
+        problem.scale or dict.fromkeys(effective, 1.0),
+        tuple(problem.unknowns[i].key for i in problem.tolerated),
+        problem.distance(vector),
+        jacobian,
         covariance,
     )

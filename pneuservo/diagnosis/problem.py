@@ -32,6 +32,10 @@ class Problem:
         What one residual counts as one standard deviation, by channel [unit of the channel].
     jacobian : (n, m) array, optional
         Sensitivities at the solution, once there is one.
+    held : mapping of str to float, optional
+        Shared values that are not fitted.
+    reference : Case, optional
+        The recording that the shared values are stated for; the first one where it is not given.
     """
 
     model: Model
@@ -41,6 +45,8 @@ class Problem:
     begin: Array | None = None
     scale: Mapping[str, float] = field(default_factory=dict)
     jacobian: Array | None = None
+    held: Values = field(default_factory=dict)
+    reference: Case | None = None
 
     def __post_init__(self) -> None:
         self.unknowns = [*self.shared, *itertools.chain.from_iterable(self.own)]
@@ -71,12 +77,12 @@ class Problem:
     def values(self, vector: Array) -> list[dict[str, float]]:
         """Return the values of each case."""
         numbers = (vector * self.units).tolist()
-        common = {u.key: number for u, number in zip(self.shared, numbers, strict=False)}
+        common = dict(self.held)
+        common |= {u.key: number for u, number in zip(self.shared, numbers, strict=False)}
         offset, values = len(self.shared), []
         for case, own in zip(self.cases, self.own, strict=True):
-            mine = numbers[offset : offset + len(own)]
-            known = case.rig.effect_values | common
-            values.append(known | {u.key: x for u, x in zip(own, mine, strict=True)})
+            mine = {u.key: x for u, x in zip(own, numbers[offset : offset + len(own)], strict=True)}
+            values.append(values_in(case, self.reference or self.cases[0], common, mine))
             offset += len(own)
         return values
 
@@ -114,6 +120,31 @@ def _typical_size(unknown: Unknown) -> float:
     return span / 100.0 if np.isfinite(span) and span > 0.0 else 1.0
 
 
+def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str, float]:
+    """Return the values that a model takes for one recording.
+
+    Parameters
+    ----------
+    case : Case
+        The recording.
+    first : Case
+        The one that the shared values are stated for.
+    shared, own : mapping of str to float
+        Fitted values of all recordings and of this one.
+
+    Notes
+    -----
+    Where a parameter was measured anew for a recording, 5 kg added for example, a fit that
+    corrects it does so by the same factor everywhere.
+    """
+    here = dict(shared)
+    for key in here.keys() & case.rig.parameters.keys():
+        nominal, reference = case.rig[key], first.rig[key]
+        if nominal != reference and reference:
+            here[key] *= nominal / reference
+    return {**case.rig.effect_values, **here, **own}
+
+
 def problems_of(
     model: Model,
     cases: Sequence[Case],
@@ -146,7 +177,7 @@ def problems_of(
 
 
 def problem_with(
-    model: Model, cases: Sequence[Case], hypothesis: Hypothesis, shared: Values
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis, shared: Values, reference: Case
 ) -> Problem:
     """Return the problem of fitting each recording's own values, the shared ones held.
 
@@ -156,13 +187,16 @@ def problem_with(
         What is fitted to what.
     shared : mapping of str to float
         Values of all shared unknowns.
+    reference : Case
+        The recording that they are stated for.
 
     Returns
     -------
     Problem
         It has no shared unknowns.
     """
-    return Problem(_Held(model, shared), cases, [], _own_unknowns(model, cases, hypothesis))
+    own = _own_unknowns(model, cases, hypothesis)
+    return Problem(model, cases, [], own, held=shared, reference=reference)
 
 
 def _own_unknowns(
@@ -196,16 +230,6 @@ def _effect_unknowns(model: Model, hypothesis: Hypothesis) -> list[list[Unknown]
         ]
         for starts in itertools.product(*(p.starts for _, p in parameters))
     ]
-
-
-class _Held(Model):
-    """A model with its shared values held."""
-
-    def __init__(self, model: Model, values: Values):
-        self._model, self._values = model, dict(values)
-
-    def predict(self, case: Case, values: Values) -> Array:
-        return self._model.predict(case, self._values | dict(values))
 
 
 def _moved(problem: Problem, shared: Values, own: Sequence[Values]) -> Problem:

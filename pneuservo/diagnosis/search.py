@@ -10,7 +10,9 @@ from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, resolution
+from pneuservo.diagnosis.screen import Visibility, promising, signatures_of, visibilities
 
 DECISIVE = 10.0
 """Drop of the information criterion that decides (Kass and Raftery 1995: very strong)."""
@@ -24,6 +26,16 @@ LARGE_SHARE_OF_REST = 0.5
 """... or the share of what is still unexplained when it is added."""
 SUREST = 0.99
 """Largest probability that is claimed: the catalogue never holds everything."""
+OVER_IMITATIONS = 8.0
+"""An effect has to explain so many times what it seems to explain of recordings without any ..."""
+LEAST_GAIN = 100.0
+"""... and lower the weighted sum of squares by this, a signature ten standard deviations long:
+coloured noise lets the best of all candidates reach 75 in recordings without any effect."""
+WHITE = 0.7
+"""Residuals that are worth this share of their samples are white enough to hide nothing."""
+LEAST_GAIN = 60.0
+"""... and lower the weighted sum of squares by this: coloured noise lets the best of all candidates
+reach 30 to 55 in recordings without any effect."""
 MOST_EFFECTS = 3
 
 
@@ -129,6 +141,25 @@ class Search:
             for case, residual in zip(self.cases, self.baseline.residuals, strict=True)
         ]
 
+    @cached_property
+    def signatures(self) -> dict[str, list[Array]]:
+        """Return what each effect changes, for a model whose sensitivities are steady."""
+        self.progress("working out what each effect would change")
+        return signatures_of(self.model, self.cases, self.baseline)
+
+    @cached_property
+    def visibility(self) -> dict[str, Visibility]:
+        """Return how each effect would show, for a model whose sensitivities are steady."""
+        signatures = self.signatures
+        self.progress("imitating the recordings without any effect")
+        return visibilities(self.model, self.cases, self.baseline, signatures, self.seed)
+
+    def _worth_fitting(
+        self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
+    ) -> Sequence[str]:
+        """Return the candidates to be fitted beside a base: where there are many, the promising."""
+        return promising(base, self.signatures, names, keep) if self.model.steady else names
+
     @property
     def noise_rms(self) -> float:
         """Return the noise of all recordings together [SI]."""
@@ -163,7 +194,7 @@ class Search:
             best = self._best_addition()
             if best is not None:
                 self.accepted.append(best)
-            elif not self.accepted and (pair := self._best_pair()):
+            elif self._hides_a_pair and (pair := self._best_pair()):
                 self.accepted.extend(pair)
             else:
                 break
@@ -196,20 +227,28 @@ class Search:
         return sorted(found, key=lambda rival: rival.evidence)
 
     def _in_place_of(self, member: str) -> tuple[Fit, dict[str, Fit]]:
-        """Return the fit without a member, and with each candidate in its place."""
+        """Return the fit without a member, and with each promising candidate in its place."""
         kept = [m for m in self.accepted if m != member]
         rest = self.fitted(self._with(kept))
-        return rest, {
-            name: self.fitted(rest.hypothesis.adding(name), rest) for name in self._compatible(kept)
-        }
+        names = self._worth_fitting(rest, self._compatible(kept), keep=(member,))
+        return rest, {name: self.fitted(rest.hypothesis.adding(name), rest) for name in names}
 
     def _gain_over_chance(self, member: str) -> float:
         """Return how much more a member explains than the best candidate would of noise."""
         rest, others = self._in_place_of(member)
-        gain = rest.samples * (rest.rms**2 - self.chosen.rms**2)
+        chosen = self.chosen
+        before, after = (chosen.weigh(found.residuals) for found in (rest, chosen))
+        gain = float(np.sum(before**2) - np.sum(after**2))
         directions = [found.sensitivities(name) for name, found in others.items()]
-        chance = chance_gain(rest.jacobian, directions, self.chosen.residuals, self.seed)
+        noise = [
+            r / chosen.scale[c] for r, c in zip(chosen.residuals, chosen.channels, strict=True)
+        ]
+        chance = chance_gain(rest.jacobian, directions, noise, self.seed)
         return gain / chance if chance > 0.0 else float("inf")
+
+    def _pretended(self, name: str) -> float:
+        """Return what a candidate seems to gain where there is nothing."""
+        return self.visibility[name].pretended if name in self.visibility else 0.0
 
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
@@ -254,6 +293,13 @@ class Search:
         noise = sum(len(r) * noise**2 for r, noise in zip(found.residuals, self.noise, strict=True))
         return max(0.0, found.samples * found.rms**2 - noise)
 
+    @property
+    def _hides_a_pair(self) -> bool:
+        """Return whether two effects may be at work though no single one earned its place."""
+        if self.accepted:
+            return False
+        return not self.model.steady or self.baseline.all_effective < WHITE * self.baseline.samples
+
     def _best_pair(self) -> tuple[str, str] | None:
         """Return two candidates that are decisive together though neither is alone.
 
@@ -262,10 +308,8 @@ class Search:
         """
         alone = self.ledger[-1].candidate
         first = self.fitted(self._with([alone]))
-        tried = {
-            name: self.fitted(first.hypothesis.adding(name), first)
-            for name in self._compatible([alone])
-        }
+        names = self._worth_fitting(first, self._compatible([alone]))
+        tried = {name: self.fitted(first.hypothesis.adding(name), first) for name in names}
         if not tried:
             return None
         name = min(tried, key=lambda candidate: tried[candidate].rms)
@@ -279,10 +323,8 @@ class Search:
 
     def _best_addition(self) -> str | None:
         current = self.chosen
-        tried = {
-            name: self.fitted(current.hypothesis.adding(name), current)
-            for name in self._compatible(self.accepted)
-        }
+        names = self._worth_fitting(current, self._compatible(self.accepted))
+        tried = {name: self.fitted(current.hypothesis.adding(name), current) for name in names}
         if not tried:
             return None
         closest = min(tried.values(), key=lambda f: f.rms)
@@ -294,10 +336,17 @@ class Search:
         gain = current.samples * (current.rms**2 - tried[name].rms ** 2)
         share = gain / max(self._unexplained(self.baseline), 1e-300)
         matters = share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)
+        if self.model.steady:
+            # In the weights of the closer fit: a misfit that it removes no longer counts as noise.
+            closer = tried[name]
+            before, after = (closer.weigh(f.residuals) for f in (current, closer))
+            gain = float(np.sum(before**2) - np.sum(after**2))
+            matters = gain > max(LEAST_GAIN, OVER_IMITATIONS * self._pretended(name))
         # A refit may already have moved a parameter far out of its tolerance: freeing it then
         # explains nothing more, but says what is wrong.
-        matters = matters or name.startswith("param.")
-        earned = drop > DECISIVE and matters
+        is_parameter = name.startswith("param.")
+        decisive = UNDECIDED if is_parameter and self.model.steady else DECISIVE
+        earned = drop > decisive and (matters or is_parameter)
         self.ledger.append(
             Step(
                 current.hypothesis.members,

@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.search import Search
 from pneuservo.effects import Effect
 
@@ -31,6 +32,8 @@ def not_visible(search: Search) -> list[dict[str, str]]:
     list of dict
         ``effect``, ``why`` and the ``experiment`` that would show it.
     """
+    if search.model.steady:
+        return _faint(search)
     chosen = search.chosen
     basis = np.linalg.qr(chosen.jacobian)[0] if chosen.jacobian.size else None
     spread = chosen.rms * float(np.sqrt(chosen.samples / chosen.all_effective))
@@ -45,6 +48,21 @@ def not_visible(search: Search) -> list[dict[str, str]]:
             rest = float(np.linalg.norm(signature - basis @ (basis.T @ signature)))
         if rest / spread < DETECTABLE:
             absorbed = whole > 2.0 * rest and whole / spread >= DETECTABLE
+            why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
+            hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
+    return hidden
+
+
+def _faint(search: Search) -> list[dict[str, str]]:
+    """Return the hidden effects where the search has worked out how each would show."""
+    hidden = []
+    for effect in search.model.effects:
+        if effect.id in search.accepted or not _compatible(search, effect):
+            continue
+        shown, size = search.visibility[effect.id], effect.parameters[0]
+        growth = max(abs(size.high), abs(size.low)) / abs(size.starts[0])
+        if shown.distinct * growth < DETECTABLE:
+            absorbed = shown.length * growth >= DETECTABLE
             why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
             hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
     return hidden
@@ -66,6 +84,8 @@ def lookalikes(search: Search, parameter: str) -> list[str]:
         Effect ids and ``param.`` ids, the parameter itself first.
     """
     chosen = search.chosen
+    if search.model.steady:
+        return _same_direction(search, parameter)
     mine = _sensitivity(search, chosen, parameter)
     alike = [f"param.{parameter}"]
     for other in search.model.fitted(search.cases[0]):
@@ -78,6 +98,24 @@ def lookalikes(search: Search, parameter: str) -> list[str]:
             signature = _signature_at_full_size(search, chosen, effect)
             if _cosine(mine, signature) > SAME_DIRECTION:
                 alike.append(effect.id)
+    return alike
+
+
+def _same_direction(search: Search, parameter: str) -> list[str]:
+    base = search.baseline
+    columns = dict(zip(base.keys, base.jacobian.T, strict=True))
+    mine, scale = columns[parameter], base.row_scale()
+    alike = [f"param.{parameter}"]
+    alike += [
+        f"param.{key}"
+        for key, column in columns.items()
+        if key != parameter and _cosine(mine, column) > SAME_DIRECTION
+    ]
+    alike += [
+        name
+        for name, variants in search.signatures.items()
+        if name not in search.accepted and _cosine(mine, variants[0][:, 0] / scale) > SAME_DIRECTION
+    ]
     return alike
 
 
@@ -102,7 +140,7 @@ def _sensitivity(search: Search, found: Fit, parameter: str) -> Array:
 def _difference(search: Search, found: Fit, changed: dict[str, Any]) -> Array:
     parts = []
     for case, own in zip(search.cases, found.own, strict=True):
-        values = {**case.rig.effect_values, **found.shared, **own}
+        values = values_in(case, search.cases[0], found.shared, own)
         with np.errstate(all="ignore"):
             change = search.model.predict(case, {**values, **changed}) - search.model.predict(
                 case, values

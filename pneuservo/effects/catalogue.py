@@ -1,14 +1,32 @@
 """The list of all effects."""
 
-from pneuservo.effects import chamber, circuit, friction, leakage, load, sensor
+from pneuservo.effects import (
+    card,
+    chamber,
+    circuit,
+    endstop,
+    friction,
+    leakage,
+    line,
+    load,
+    sensor,
+    spool,
+    supply,
+    valve,
+)
 from pneuservo.effects.effect import Effect
 from pneuservo.naming import require_known
 
-CATALOGUE: dict[str, Effect] = {
-    effect.id: effect
-    for module in (leakage, chamber, friction, load, sensor, circuit)
-    for effect in module.EFFECTS
-}
+_BY_BLOCK = (
+    spool, valve, supply, line, leakage, chamber, friction, load, endstop, sensor, circuit, card,
+)  # fmt: skip
+
+ENTRIES: tuple[Effect, ...] = tuple(effect for module in _BY_BLOCK for effect in module.EFFECTS)
+"""Every entry. An id stands twice where two kinds of rig show the same physics in laws of their
+own; no kind of rig has an id twice."""
+
+CATALOGUE: dict[str, Effect] = {effect.id: effect for effect in reversed(ENTRIES)}
+"""Id to entry; the first one where there are two."""
 
 
 def effects_of(kind: str) -> tuple[Effect, ...]:
@@ -29,16 +47,18 @@ def effects_of(kind: str) -> tuple[Effect, ...]:
     >>> [effect.id for effect in effects_of("dead-volume")][:2]
     ['leakage.orifice', 'leakage.laminar']
     """
-    return tuple(effect for effect in CATALOGUE.values() if kind in effect.rigs)
+    return tuple(effect for effect in ENTRIES if kind in effect.rigs)
 
 
-def effect_by_id(effect_id: str) -> Effect:
+def effect_by_id(effect_id: str, kind: str = "") -> Effect:
     """Return an effect by its id.
 
     Parameters
     ----------
     effect_id : str
         Such as ``"friction.pressure"``.
+    kind : str, optional
+        Kind of rig; decides where two kinds show it in laws of their own.
 
     Returns
     -------
@@ -50,5 +70,6 @@ def effect_by_id(effect_id: str) -> Effect:
     InputError
         When there is none; the message names the nearest.
     """
-    require_known(effect_id, CATALOGUE, "effect")
-    return CATALOGUE[effect_id]
+    known = {effect.id: effect for effect in effects_of(kind)} if kind else CATALOGUE
+    require_known(effect_id, known, f"effect of a rig of kind {kind}" if kind else "effect")
+    return known[effect_id]

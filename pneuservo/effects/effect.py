@@ -22,6 +22,9 @@ class EffectParameter:
         Where a fit starts; several where the fit may have several minima [unit].
     meaning : str
         What it is.
+    field : str, optional
+        Where the servo's kernels keep it, ``block.field`` of
+        `pneuservo.plant.servo.servo_effects.ServoEffects`; ``""`` on other rigs.
     """
 
     name: str
@@ -31,6 +34,7 @@ class EffectParameter:
     high: float
     starts: tuple[float, ...]
     meaning: str
+    field: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,66 +1,10 @@
-"""Friction of a seal beyond a constant Coulomb force."""
-
-import math
-
-import numpy as np
+"""Friction beyond viscous and one constant Coulomb force."""
 
 from pneuservo.effects.effect import Effect, EffectParameter
-from pneuservo.plant.compilation import compiled
 
 _RIGS = ("seal-tester",)
-
-
-@compiled
-def presliding_state(displacement, travel, exponent, initial):
-    """Return the share of the sliding friction that has built up, -1 to 1.
-
-    Parameters
-    ----------
-    displacement : (n,) array
-        Piston displacement [m].
-    travel : float
-        Distance over which friction builds up after a reversal; 0 for at once [m].
-    exponent : float
-        Shape of the build-up: 1 exponential, larger values with a longer tail [-].
-    initial : float
-        State at the first sample, -1 to 1 [-].
-
-    Returns
-    -------
-    (n,) array
-        The state; while the piston rests it stays.
-
-    Notes
-    -----
-    Dahl 1968: dz/dx = (1/travel) (1 - z sgn(dx))^exponent sgn(dx), solved exactly over each
-    step. With travel = 0 this is sgn(v), the Coulomb law.
-
-    Examples
-    --------
-    >>> presliding_state(np.array([0.0, 1e-3, 0.5e-3]), 0.0, 1.0, 0.0).tolist()
-    [0.0, 1.0, -1.0]
-    """
-    state = np.empty(displacement.size)
-    z = initial
-    state[0] = z
-    for k in range(1, displacement.size):
-        step = displacement[k] - displacement[k - 1]
-        if step != 0.0:
-            direction = 1.0 if step > 0.0 else -1.0
-            rest = 1.0 - z * direction
-            if travel <= 0.0:
-                rest = 0.0
-            elif rest > 0.0:
-                distance = abs(step) / travel
-                if exponent - 1.0 < 1e-9:
-                    rest *= math.exp(-distance)
-                else:
-                    rest *= (1.0 + (exponent - 1.0) * distance * rest ** (exponent - 1.0)) ** (
-                        -1.0 / (exponent - 1.0)
-                    )
-            z = direction * (1.0 - rest)
-        state[k] = z
-    return state
+_BOTH = ("seal-tester", "single-axis")
+_SERVO = ("single-axis",)
 
 
 PRESSURE = Effect(
@@ -80,16 +24,32 @@ PRESSURE = Effect(
 PRESLIDING = Effect(
     id="friction.presliding",
     block="piston",
-    rigs=_RIGS,
+    rigs=_BOTH,
     statement=(
         "After a reversal friction builds up over a distance; the model lets it jump at once."
     ),
     equation="F = Fc z, dz/dx = (1/travel) (1 - z sgn(v))^exponent sgn(v)",
     parameters=(
         EffectParameter(
-            "travel", "m", 0.0, 0.0, 5e-3, (1e-4,), "distance over which friction builds up"
+            "travel",
+            "m",
+            0.0,
+            0.0,
+            5e-3,
+            (1e-4,),
+            "distance over which friction builds up",
+            "friction.presliding_travel",
         ),
-        EffectParameter("exponent", "", 1.0, 1.0, 5.0, (1.5,), "shape: 1 exponential, above: tail"),
+        EffectParameter(
+            "exponent",
+            "",
+            1.0,
+            1.0,
+            5.0,
+            (1.5,),
+            "shape: 1 exponential, above: tail",
+            "friction.presliding_exponent",
+        ),
     ),
     source="Dahl 1968; Canudas de Wit and others 1995; Tran and others 2012",
     experiment="drive strokes of 0.05 to 1 mm about one place with a position resolution of 5 um",
@@ -109,12 +69,16 @@ ASYMMETRIC = Effect(
 POSITION = Effect(
     id="friction.position",
     block="piston",
-    rigs=_RIGS,
+    rigs=_BOTH,
     statement="Friction changes along the stroke; the model holds it the same everywhere.",
     equation="F = Fc (1 + slope s + curvature s^2) sgn(v), s = -1..1 along the recorded stroke",
     parameters=(
-        EffectParameter("slope", "", 0.0, -1.0, 1.0, (0.05,), "change from mid to the far end"),
-        EffectParameter("curvature", "", 0.0, -1.0, 1.0, (0.0,), "change at both ends"),
+        EffectParameter(
+            "slope", "", 0.0, -1.0, 1.0, (0.05,), "change from mid to the far end", "friction.slope"
+        ),
+        EffectParameter(
+            "curvature", "", 0.0, -1.0, 1.0, (0.0,), "change at both ends", "friction.curvature"
+        ),
     ),
     source="thesis equation (4.54)",
     experiment="drive slowly over the full stroke both ways, twice",
@@ -122,12 +86,30 @@ POSITION = Effect(
 STRIBECK = Effect(
     id="friction.stribeck",
     block="piston",
-    rigs=_RIGS,
+    rigs=_BOTH,
     statement="Friction is higher at low speed; the model holds it the same at every speed.",
     equation="F = (Fc + excess exp(-|v|/speed)) sgn(v)",
     parameters=(
-        EffectParameter("excess", "N", 0.0, 0.0, 15.0, (0.5,), "static minus sliding friction"),
-        EffectParameter("speed", "m/s", 0.005, 0.001, 0.05, (0.003,), "speed at which it fades"),
+        EffectParameter(
+            "excess",
+            "N",
+            0.0,
+            0.0,
+            15.0,
+            (0.5,),
+            "static minus sliding friction",
+            "friction.stribeck_excess",
+        ),
+        EffectParameter(
+            "speed",
+            "m/s",
+            0.005,
+            0.001,
+            0.05,
+            (0.003, 0.015),
+            "speed at which it fades",
+            "friction.stribeck_speed",
+        ),
     ),
     source="Armstrong-Helouvry and others 1994; Tran and Yanada 2013",
     experiment="drive at constant speeds from 1 to 300 mm/s",
@@ -142,4 +124,137 @@ RUN_IN = Effect(
     source="thesis section 4.3.2: friction does not repeat",
     experiment="repeat the same cycle hourly",
 )
-EFFECTS = (PRESSURE, PRESLIDING, ASYMMETRIC, POSITION, STRIBECK, RUN_IN)
+SERVO_PRESSURE = Effect(
+    id="friction.pressure",
+    block="piston",
+    rigs=_SERVO,
+    statement="Seal friction grows with chamber pressure; the model holds it constant.",
+    equation="F = (Fc + sum (pa + pb - 2 p_atm) + difference |pa - pb|) sgn(v)",
+    parameters=(
+        EffectParameter(
+            "sum", "m**2", 0.0, -5e-6, 5e-5, (2e-6,), "friction per sum of gauge pressures [N/Pa]",
+            "friction.pressure_sum",
+        ),
+        EffectParameter(
+            "difference", "m**2", 0.0, -5e-5, 5e-5, (2e-6,),
+            "friction per pressure difference [N/Pa]", "friction.pressure_difference",
+        ),
+    ),
+    source="Andrighetto and others 2006; Belforte and others 2003",
+    experiment="repeat the same motion at 5, 7 and 9 bar, or with vented chambers",
+)  # fmt: skip
+SERVO_ASYMMETRIC = Effect(
+    id="friction.asymmetric",
+    block="piston",
+    rigs=_SERVO,
+    statement="Friction differs between the two directions; the model holds it equal.",
+    equation="F = Fc sgn(v) + c v + difference + viscous |v|",
+    parameters=(
+        EffectParameter(
+            "difference", "N", 0.0, -10.0, 10.0, (0.5,), "half the difference",
+            "friction.asymmetry",
+        ),
+        EffectParameter(
+            "viscous", "N*s/m", 0.0, -100.0, 100.0, (5.0,), "half the viscous difference",
+            "friction.viscous_asymmetry",
+        ),
+    ),
+    source="thesis tables 4.6 and 4.7: 97 and 109 N s/m",
+    experiment="turn the cylinder round, or vent it and drive it by hand: an offset stays",
+)  # fmt: skip
+BREAKAWAY_DWELL = Effect(
+    id="friction.breakaway-dwell",
+    block="piston",
+    rigs=_SERVO,
+    statement="The longer the piston rests, the harder it breaks away; the model forgets the rest.",
+    equation="F_breakaway = Fc + excess (1 - exp(-rest/time))",
+    parameters=(
+        EffectParameter(
+            "excess", "N", 0.0, 0.0, 30.0, (1.0,), "gained by a long rest", "friction.dwell_excess"
+        ),
+        EffectParameter(
+            "time", "s", 10.0, 0.01, 1000.0, (1.0, 30.0), "over which it is gained",
+            "friction.dwell_time",
+        ),
+    ),
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
+    experiment="repeat one step after 1, 10, 100 and 1000 s of rest",
+)  # fmt: skip
+LAG = Effect(
+    id="friction.lag",
+    block="piston",
+    rigs=_SERVO,
+    statement="Friction follows the speed with a delay; the model's follows at once.",
+    equation="F = c w + Fc sgn(v), time w' = v - w",
+    parameters=(
+        EffectParameter("time", "s", 0.0, 0.0, 0.1, (5e-3,), "of the lag", "friction.lag"),
+    ),
+    source="Tran and Yanada 2013, Intelligent Control and Automation 4",
+    experiment="swing about a steady speed without reversal, at several frequencies",
+)
+SPEED_CURVE = Effect(
+    id="friction.speed-curve",
+    block="piston",
+    rigs=_SERVO,
+    statement="Friction bends with speed; the model's viscous part is a straight line.",
+    equation="F = c v + quadratic v |v| + Fc sgn(v)",
+    parameters=(
+        EffectParameter(
+            "quadratic", "N*s**2/m**2", 0.0, -400.0, 2000.0, (50.0,), "per speed squared",
+            "friction.quadratic",
+        ),
+    ),
+    source="textbook drag and shear thinning; Tran and Yanada 2013",
+    experiment="drive at constant speeds from 1 to 300 mm/s",
+)  # fmt: skip
+SERVO_RUN_IN = Effect(
+    id="friction.run-in",
+    block="piston",
+    rigs=_SERVO,
+    statement="Friction drifts during the recording; the model holds it constant.",
+    equation="F = Fc (1 + coulomb t) sgn(v) + c (1 + viscous t) v",
+    parameters=(
+        EffectParameter(
+            "coulomb", "1/s", 0.0, -0.1, 0.2, (5e-3,), "relative change of Coulomb friction",
+            "friction.run_in",
+        ),
+        EffectParameter(
+            "viscous", "1/s", 0.0, -0.1, 0.1, (2e-3,), "relative change of viscous friction",
+            "friction.viscous_run_in",
+        ),
+    ),
+    source="thesis section 4.3.2: friction does not repeat",
+    experiment="repeat the same cycle hourly",
+)  # fmt: skip
+SIDE_LOAD = Effect(
+    id="friction.side-load",
+    block="piston",
+    rigs=_SERVO,
+    statement=(
+        "A side load presses the rod harder the further it is out; the model has no side load."
+    ),
+    equation="F = (Fc + force x/stroke) sgn(v)",
+    parameters=(
+        EffectParameter(
+            "force", "N", 0.0, 0.0, 50.0, (1.0,), "friction it adds fully extended",
+            "friction.side_force",
+        ),
+    ),
+    source="lever of an overhanging load; Beater 2007",
+    experiment="hang the load from a guide of its own",
+)  # fmt: skip
+EFFECTS = (
+    PRESSURE,
+    SERVO_PRESSURE,
+    PRESLIDING,
+    ASYMMETRIC,
+    SERVO_ASYMMETRIC,
+    POSITION,
+    STRIBECK,
+    BREAKAWAY_DWELL,
+    LAG,
+    SPEED_CURVE,
+    RUN_IN,
+    SERVO_RUN_IN,
+    SIDE_LOAD,
+)

@@ -1,43 +1,12 @@
-"""Leaks of a closed chamber to the atmosphere."""
+"""Leaks: of a closed chamber to the atmosphere, and of a cylinder."""
 
 from pneuservo.effects.effect import Effect, EffectParameter
-from pneuservo.plant.compilation import compiled
-from pneuservo.plant.gas import orifice_mass_flow
 
 _RIGS = ("dead-volume",)
 _EXPERIMENT = (
     "plug every port, fill once high and once low, and log the pressure until it is within "
     "0.1 bar of the atmosphere: the slope of log(-dp/dt) against log(gauge pressure) tells the law"
 )
-
-
-@compiled
-def orifice_leak(pressure, ambient, temperature, gas_constant, isentropic_exponent, area):
-    """Return the mass flow of a sharp-edged leak of an effective area [kg/s]."""
-    return orifice_mass_flow(
-        pressure, ambient, area, 1.0, temperature, gas_constant, isentropic_exponent
-    )
-
-
-@compiled
-def laminar_leak(pressure, ambient, temperature, conductance):
-    """Return the mass flow through a narrow gap: compressible laminar flow [kg/s].
-
-    The reference temperature of the conductance is 293 K.
-    """
-    return conductance * (pressure * pressure - ambient * ambient) * 293.0 / temperature
-
-
-@compiled
-def power_leak(pressure, ambient, coefficient, exponent):
-    """Return the mass flow of a leak that follows a power of the gauge pressure [kg/s].
-
-    The coefficient is the flow at 1 bar gauge; below the ambient pressure the flow reverses.
-    """
-    gauge = (pressure - ambient) / 1e5
-    if gauge >= 0.0:
-        return coefficient * gauge**exponent
-    return -coefficient * (-gauge) ** exponent
 
 
 _AREA = EffectParameter("area", "m**2", 0.0, 0.0, 1e-6, (1e-9, 3e-8), "effective area of the leak")
@@ -98,4 +67,124 @@ PRESSURE_OPENING = Effect(
     experiment=_EXPERIMENT,
     group="leak to the atmosphere",
 )
-LEAKS = EFFECTS = (ORIFICE, LAMINAR, MIXED, PRESSURE_OPENING)
+LEAKS = (ORIFICE, LAMINAR, MIXED, PRESSURE_OPENING)
+
+_SERVO = ("single-axis",)
+_HOLD = (
+    "plug or close the valve, lock the piston, and log both pressures for 60 s at several "
+    "pressure differences of both signs"
+)
+CROSS_PISTON = Effect(
+    id="leakage.cross-piston",
+    block="chamber.a",
+    rigs=_SERVO,
+    statement="Air leaks past the piston seal; the model holds it tight.",
+    equation="m_ab = conductance (pa^2 - pb^2)",
+    parameters=(
+        EffectParameter(
+            "conductance", "kg/(s*Pa**2)", 0.0, 0.0, 2e-15, (3e-17,), "flow per pressure squared",
+            "leakage.cross_conductance",
+        ),
+    ),
+    source="Richer and Hurmuzlu 2000, J. Dyn. Syst. Meas. Control 122; Beater 2007",
+    experiment=_HOLD,
+)  # fmt: skip
+CHAMBER_A = Effect(
+    id="leakage.chamber-a",
+    block="chamber.a",
+    rigs=_SERVO,
+    statement="Chamber a leaks to the outside; the model holds it tight.",
+    equation="m_leak = area Cm(p_atm/pa) pa / sqrt(T)",
+    parameters=(
+        EffectParameter(
+            "area", "m**2", 0.0, 0.0, 5e-7, (1e-8,), "effective area", "leakage.chamber_a_area"
+        ),
+    ),
+    source="thesis equation (4.15); Beater 2007, Pneumatic Drives",
+    experiment=_HOLD,
+)
+ROD_SEAL = Effect(
+    id="leakage.rod-seal",
+    block="chamber.b",
+    rigs=_SERVO,
+    statement="Chamber b leaks to the outside past the rod; the model holds it tight.",
+    equation="m_leak = area Cm(p_atm/pb) pb / sqrt(T)",
+    parameters=(
+        EffectParameter(
+            "area", "m**2", 0.0, 0.0, 5e-7, (1e-8,), "effective area", "leakage.rod_seal_area"
+        ),
+    ),
+    source="thesis equation (4.15); Richer and Hurmuzlu 2000",
+    experiment=_HOLD,
+)
+_OPENING = "Chamber {} leaks through a gap that opens under pressure; the model holds it tight."
+PRESSURE_OPENING_A, PRESSURE_OPENING_B = (
+    Effect(
+        id=f"leakage.pressure-opening-{chamber}",
+        block=f"chamber.{chamber}",
+        rigs=_SERVO,
+        statement=_OPENING.format(chamber),
+        equation=f"m_leak = coefficient ((p{chamber} - p_atm) / 1 bar)^exponent",
+        parameters=(
+            EffectParameter(
+                "coefficient", "kg/s", 0.0, 0.0, 1e-3, (1e-6,), "leak at 1 bar gauge",
+                f"leakage.opening_{chamber}_coefficient",
+            ),
+            EffectParameter(
+                "exponent", "", 1.25, 0.5, 2.5, (1.5,), "power of the gauge pressure",
+                f"leakage.opening_{chamber}_exponent",
+            ),
+        ),
+        source="fit to leak-down recordings of printed chambers, Zillen 2021",
+        experiment=_EXPERIMENT,
+    )
+    for chamber in ("a", "b")
+)  # fmt: skip
+LEAK_BY_POSITION = Effect(
+    id="leakage.position",
+    block="chamber.a",
+    rigs=_SERVO,
+    statement="A worn zone of the bore leaks past the piston; the model holds it tight everywhere.",
+    equation="m_ab = conductance exp(-((x/stroke - centre)/width)^2) (pa^2 - pb^2)",
+    parameters=(
+        EffectParameter(
+            "conductance", "kg/(s*Pa**2)", 0.0, 0.0, 5e-15, (1e-16,), "in the middle of the zone",
+            "leakage.worn_conductance",
+        ),
+        EffectParameter(
+            "centre", "", 0.5, 0.0, 1.0, (0.3, 0.7), "of the zone along the stroke",
+            "leakage.worn_centre",
+        ),
+        EffectParameter(
+            "width", "", 0.1, 0.02, 0.5, (0.1,), "of the zone along the stroke",
+            "leakage.worn_width",
+        ),
+    ),
+    source="scratched or worn bores; form of Richer and Hurmuzlu 2000",
+    experiment="hold at several places of the stroke under a pressure difference",
+)  # fmt: skip
+LEAK_BY_VELOCITY = Effect(
+    id="leakage.velocity",
+    block="chamber.a",
+    rigs=_SERVO,
+    statement="The seal lifts and leaks while it slides; the model holds it tight.",
+    equation="m_ab = conductance |v| (pa^2 - pb^2)",
+    parameters=(
+        EffectParameter(
+            "conductance", "kg/(m*Pa**2)", 0.0, 0.0, 2e-14, (3e-16,), "per speed",
+            "leakage.moving_conductance",
+        ),
+    ),
+    source="film lubrication of lip seals; Beater 2007",
+    experiment="run at several constant speeds under one pressure difference",
+)  # fmt: skip
+EFFECTS = (
+    *LEAKS,
+    CROSS_PISTON,
+    CHAMBER_A,
+    ROD_SEAL,
+    PRESSURE_OPENING_A,
+    PRESSURE_OPENING_B,
+    LEAK_BY_POSITION,
+    LEAK_BY_VELOCITY,
+)

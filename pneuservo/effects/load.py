@@ -5,13 +5,91 @@ from pneuservo.effects.effect import Effect, EffectParameter
 SPRING = Effect(
     id="load.spring",
     block="load",
-    rigs=("seal-tester",),
+    rigs=("seal-tester", "single-axis"),
     statement="Something pulls on the rod like a spring; the model has no spring.",
     equation="F = stiffness (x - x_mid)",
     parameters=(
-        EffectParameter("stiffness", "N/m", 0.0, -5000.0, 5000.0, (20.0,), "spring stiffness"),
+        EffectParameter(
+            "stiffness",
+            "N/m",
+            0.0,
+            -5000.0,
+            5000.0,
+            (20.0,),
+            "spring stiffness",
+            "load.spring",
+        ),
     ),
     source="hose drag and cable chains; physics of a linear spring",
     experiment="drive slowly both ways over the full stroke: a spring does not change sign with v",
 )
-EFFECTS = (SPRING,)
+_RIGS = ("single-axis",)
+TRANSVERSE_MODE = Effect(
+    id="load.transverse-mode",
+    block="load",
+    rigs=_RIGS,
+    statement="Part of the load swings by itself; the model's load is rigid.",
+    equation="q'' + 2 damping w q' + w^2 q = -x'', F = -share m (x'' + q''), w = 2 pi frequency",
+    parameters=(
+        EffectParameter(
+            "share", "", 0.0, 0.0, 0.4, (0.06,), "of the mass that swings", "load.mode_share"
+        ),
+        EffectParameter(
+            "frequency", "Hz", 20.0, 3.0, 150.0, (12.0, 35.0), "of the swing",
+            "load.mode_frequency",
+        ),
+        EffectParameter(
+            "damping", "", 0.02, 1e-3, 0.3, (0.02,), "damping ratio", "load.mode_damping"
+        ),
+    ),
+    source="thesis section 4.3.3",
+    experiment="tap it with an accelerometer on its side; change the mass",
+)  # fmt: skip
+COMPLIANCE = Effect(
+    id="load.compliance",
+    block="load",
+    rigs=_RIGS,
+    statement="The load hangs on an elastic joint; the model's load is rigid.",
+    equation="share m (x'' + q'') = share m g - F, F = stiffness q + damping q'",
+    parameters=(
+        EffectParameter(
+            "share", "", 0.0, 0.0, 0.9, (0.5,), "of the mass behind the joint", "load.joint_share"
+        ),
+        EffectParameter(
+            "stiffness", "N/m", 0.0, 1e4, 1e7, (3e5,), "of the joint", "load.joint_stiffness"
+        ),
+        EffectParameter(
+            "damping", "N*s/m", 0.0, 0.0, 1e3, (30.0,), "of the joint", "load.joint_damping"
+        ),
+    ),
+    source="two masses; textbook dynamics",
+    experiment="tap the load and compare accelerometers on load and rod",
+)
+BACKLASH = Effect(
+    id="load.backlash",
+    block="load",
+    rigs=_RIGS,
+    statement="The joint to the load has free travel; the model's load is rigid.",
+    equation="F = 0 while |q| < play/2, of a joint with share of the mass behind it",
+    parameters=(
+        EffectParameter("play", "m", 0.0, 0.0, 2e-3, (1e-4,), "free travel", "load.joint_play"),
+        EffectParameter(
+            "share", "", 0.0, 0.05, 0.9, (0.5,), "of the mass behind the joint", "load.joint_share"
+        ),
+    ),
+    source="textbook dynamics; flanks taken as 1 N/um",
+    experiment="repeat with gravity holding the joint to one side",
+)
+GRAVITY_ANGLE = Effect(
+    id="load.gravity-angle",
+    block="load",
+    rigs=_RIGS,
+    statement="The axis stands at an angle; the model has gravity act along it.",
+    equation="F = m g cos(angle)",
+    parameters=(
+        EffectParameter("angle", "rad", 0.0, 0.0, 1.6, (0.3,), "against the rod down", "load.tilt"),
+    ),
+    source="thesis equation (4.23)",
+    experiment="put a level on the rig",
+)
+EFFECTS = (SPRING, TRANSVERSE_MODE, COMPLIANCE, BACKLASH, GRAVITY_ANGLE)

@@ -21,3 +21,8 @@ def cache_folder() -> Path | None:
 def compiled(function):
     """Compile a kernel; see `analog_card.compilation.compile_kernel`."""
     return compile_kernel(function, cache_folder())
+
+
+def compiled_apart(function):
+    """Compile a kernel that stays one piece of code wherever it is called from."""
+    return compile_kernel(function, cache_folder(), inline=False)

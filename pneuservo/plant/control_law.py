@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.lanes import first_lane
 
 # What the law works from.
 HELD_VOLTAGE, TRUE_STATES, CARD_TAPS = range(3)
@@ -117,6 +118,18 @@ def unlimited_output(surface, relay_sign, law):
     law : ControlLaw
         Gain and level.
     """
-    if math.isinf(law.gain):
+    if is_relay(law):
         return relay_sign * law.level
     return law.gain * surface
+
+
+@compiled
+def is_relay(law):
+    """Return whether a law switches instead of acting continuously.
+
+    Parameters
+    ----------
+    law : ControlLaw
+        What commands the valve; of lanes either all switch or none.
+    """
+    return law.source != HELD_VOLTAGE and math.isinf(first_lane(law.gain))

@@ -4,11 +4,18 @@ Between such events the equations are smooth apart from kinks. What is going on 
 modes, which stay as they are during a step and change only where an event was located.
 """
 
-import math
-
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.control_law import HELD_VOLTAGE
-from pneuservo.plant.piston import is_moving, motion_from, motion_margin
+from pneuservo.plant.control_law import HELD_VOLTAGE, is_relay
+from pneuservo.plant.lanes import select
+from pneuservo.plant.piston import (
+    EXTENDING,
+    RETRACTING,
+    friction_margin,
+    is_moving,
+    motion_from,
+    motion_margin,
+    stop_margin,
+)
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
     MOTION,
@@ -23,17 +30,8 @@ from pneuservo.plant.single_axis import (
     surface,
 )
 
-
-@compiled
-def is_relay(law):
-    """Return whether a law switches instead of acting continuously.
-
-    Parameters
-    ----------
-    law : ControlLaw
-        What commands the valve.
-    """
-    return law.source != HELD_VOLTAGE and math.isinf(law.gain)
+# Places in the margins.
+FRICTION, STOP, SPOOL_END, RELAY = range(4)
 
 
 @compiled
@@ -52,39 +50,88 @@ def spool_margin(state, modes, inputs, law, plant):
     zero to find, and counts as 1 or -1.
     """
     limit = modes[SPOOL_LIMIT]
-    if limit == SPOOL_FREE:
-        return 1.0 - abs(state[SPOOL])
     full = plant.valve.full_voltage
     command = limit * commanded_voltage(state, modes, inputs, law, plant)
-    if law.source == HELD_VOLTAGE or is_relay(law) or law.level < full:
-        return 1.0 if min(command, law.level) >= full else -1.0
-    return command / full - 1.0
+    held = select(min(command, law.level) >= full, 1.0, -1.0)
+    if not (law.source == HELD_VOLTAGE or is_relay(law)):
+        held = select(law.level < full, held, command / full - 1.0)
+    return select(limit == SPOOL_FREE, 1.0 - abs(state[SPOOL]), held)
 
 
 @compiled
-def margin(state, modes, inputs, law, plant):
-    """Return how far the state is from the next event: negative once one has happened.
+def margins(state, modes, inputs, law, plant):
+    """Return how far the state is from each kind of event: negative once one has happened.
 
     Parameters
     ----------
     state, modes, inputs, law, plant
         As in `derivative`.
 
-    Notes
-    -----
-    The least of all margins, each in its own unit: only the sign and the zero mean anything.
+    Returns
+    -------
+    tuple of 4 floats or Lanes
+        In places `FRICTION`, `STOP`, `SPOOL_END` and `RELAY`, each in its own unit: only the
+        sign and the zero mean anything. 1 where there is no relay.
     """
-    least = motion_margin(
-        modes[MOTION],
-        state[DISPLACEMENT],
-        state[VELOCITY],
-        piston_force(state, inputs, plant),
-        plant.piston,
-    )
-    least = min(least, spool_margin(state, modes, inputs, law, plant))
+    piston, motion = plant.piston, modes[MOTION]
+    force = piston_force(state, inputs, plant)
+    spool = spool_margin(state, modes, inputs, law, plant)
+    relay = abs(spool) * 0.0 + 1.0
     if is_relay(law):
-        least = min(least, modes[RELAY_SIGN] * surface(state, modes, inputs, law, plant))
-    return least
+        relay = modes[RELAY_SIGN] * surface(state, modes, inputs, law, plant)
+    return (
+        friction_margin(motion, state[VELOCITY], force, piston),
+        stop_margin(motion, state[DISPLACEMENT], piston),
+        spool,
+        relay,
+    )
+
+
+@compiled
+def margin(state, modes, inputs, law, plant):
+    """Return the least of all `margins`.
+
+    Parameters
+    ----------
+    state, modes, inputs, law, plant
+        As in `derivative`.
+    """
+    friction, stop, spool, relay = margins(state, modes, inputs, law, plant)
+    return min(min(friction, stop), min(spool, relay))
+
+
+@compiled
+def happen(event, state, modes, inputs, law, plant):
+    """Change the modes at an event that was located, and whatever else follows from it at once.
+
+    Parameters
+    ----------
+    event : int
+        Which of the `margins` has come to its zero.
+    state, modes, inputs, law, plant
+        As in `settle`.
+    """
+    piston = plant.piston
+    if event == FRICTION and not is_moving(modes[MOTION]):
+        force = piston_force(state, inputs, plant)
+        modes[MOTION] = EXTENDING if force > 0.0 else RETRACTING
+    elif event in (FRICTION, STOP):
+        if event == STOP:
+            state[DISPLACEMENT] = piston.stroke if modes[MOTION] == EXTENDING else 0.0
+        state[DISPLACEMENT] = min(max(state[DISPLACEMENT], 0.0), piston.stroke)
+        state[VELOCITY] = 0.0
+        force = piston_force(state, inputs, plant)
+        modes[MOTION] = motion_from(state[DISPLACEMENT], 0.0, force, piston)
+    else:
+        _settle_piston(state, modes, inputs, plant)
+    if event == RELAY:
+        modes[RELAY_SIGN] = -modes[RELAY_SIGN]
+    else:
+        _settle_relay(state, modes, inputs, law, plant)
+    if event == SPOOL_END:
+        _change_spool(state, modes, inputs, law, plant)
+    else:
+        _settle_spool(state, modes, inputs, law, plant)
 
 
 @compiled
@@ -102,9 +149,14 @@ def settle(state, modes, inputs, law, plant):
     """
     _settle_piston(state, modes, inputs, plant)
     # The acceleration jumps when the motion changes, so the relay is looked at afterwards.
+    _settle_relay(state, modes, inputs, law, plant)
+    _settle_spool(state, modes, inputs, law, plant)
+
+
+@compiled
+def _settle_relay(state, modes, inputs, law, plant):
     if is_relay(law) and modes[RELAY_SIGN] * surface(state, modes, inputs, law, plant) < 0.0:
         modes[RELAY_SIGN] = -modes[RELAY_SIGN]
-    _settle_spool(state, modes, inputs, law, plant)
 
 
 @compiled
@@ -124,8 +176,12 @@ def _settle_piston(state, modes, inputs, plant):
 
 @compiled
 def _settle_spool(state, modes, inputs, law, plant):
-    if spool_margin(state, modes, inputs, law, plant) >= 0.0:
-        return
+    if spool_margin(state, modes, inputs, law, plant) < 0.0:
+        _change_spool(state, modes, inputs, law, plant)
+
+
+@compiled
+def _change_spool(state, modes, inputs, law, plant):
     if modes[SPOOL_LIMIT] != SPOOL_FREE:
         modes[SPOOL_LIMIT] = SPOOL_FREE
         return

@@ -1,45 +1,28 @@
-"""Fixed steps of the classical Runge-Kutta method, with events located inside a step."""
+"""Fixed steps of the classical Runge-Kutta method, with events located inside a step.
+
+For controllers that act in steps of their own, and as a reference: steps and location of events are
+not those of `pneuservo.plant.single_run`, the equations are.
+"""
 
 import math
 
 import numpy as np
 
-from pneuservo.plant.analogue_card import differentiator_output
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.control_law import CARD_TAPS, HELD_VOLTAGE, limited
 from pneuservo.plant.events import margin, settle
-from pneuservo.plant.piston import acceleration, is_moving, motion_from
+from pneuservo.plant.outputs import OUTPUTS, output_values
+from pneuservo.plant.piston import is_moving, motion_from
 from pneuservo.plant.single_axis import (
-    CARD_DERIVATIVE_1,
-    CARD_DERIVATIVE_2,
     DISPLACEMENT,
     MOTION,
-    PRESSURE_A,
-    PRESSURE_B,
     RELAY_SIGN,
     SPOOL,
     SPOOL_FREE,
     SPOOL_LIMIT,
     SPOOL_RATE,
     VELOCITY,
-    commanded_voltage,
     derivative,
     piston_force,
-    surface,
-)
-
-# Columns of the result of `run`.
-OUTPUTS = (
-    "displacement",
-    "velocity",
-    "acceleration",
-    "pressure_a",
-    "pressure_b",
-    "spool",
-    "valve_voltage",
-    "surface",
-    "card_velocity",
-    "card_acceleration",
 )
 
 # How closely an event is located: far below any step, far above the rounding of the time.
@@ -172,25 +155,6 @@ def advance(state, duration, modes, inputs, law, plant, grid, work, result):
 
 
 @compiled
-def _write_output(state, modes, inputs, law, plant, output):
-    output[0] = state[DISPLACEMENT]
-    output[1] = state[VELOCITY]
-    output[2] = acceleration(piston_force(state, inputs, plant), modes[MOTION], plant.piston)
-    output[3] = state[PRESSURE_A]
-    output[4] = state[PRESSURE_B]
-    output[5] = state[SPOOL]
-    output[6] = limited(commanded_voltage(state, modes, inputs, law, plant), law.level)
-    output[7] = math.nan
-    output[8] = math.nan
-    output[9] = math.nan
-    if law.source != HELD_VOLTAGE:
-        output[7] = surface(state, modes, inputs, law, plant)
-    if law.source == CARD_TAPS:
-        output[8] = differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant)
-        output[9] = differentiator_output(state[CARD_DERIVATIVE_2], law.acceleration_time_constant)
-
-
-@compiled
 def initial_modes(state, inputs, plant):
     """Return the modes at the start of a run, and bring the state onto what they hold.
 
@@ -253,7 +217,9 @@ def run(time, inputs, initial_state, law, plant, grid, largest_step):
     for k in range(time.shape[0]):
         held = inputs[k]
         settle(state, modes, held, law, plant)
-        _write_output(state, modes, held, law, plant, outputs[k])
+        row = output_values(state, modes, held, law, plant)
+        for i in range(len(row)):
+            outputs[k, i] = row[i]
         if k + 1 < time.shape[0]:
             interval = time[k + 1] - time[k]
             steps = math.ceil(interval / largest_step - 1e-9)

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.lanes import select
 
 # What the piston is doing. Magnitude 1 is motion, with its direction as the sign.
 EXTENDING = 1
@@ -92,9 +93,51 @@ def acceleration(force, motion, piston):
     -----
     Equation (4.53): Coulomb friction opposes motion with a constant force.
     """
-    if is_moving(motion):
-        return (force - motion * piston.coulomb_friction) / piston.mass
-    return 0.0
+    moving = (force - motion * piston.coulomb_friction) / piston.mass
+    return select(is_moving(motion), moving, 0.0)
+
+
+@compiled
+def friction_margin(motion, velocity, force, piston):
+    """Return how far the piston is from stopping or breaking away: negative once it has to.
+
+    Parameters
+    ----------
+    motion : int
+        What it is doing.
+    velocity : float
+        How fast [m/s].
+    force : float
+        From `driving_force` [N].
+    piston : Piston
+        The numbers of the piston.
+
+    Returns
+    -------
+    float
+        While moving the velocity in the direction of motion [m/s]; otherwise the force that
+        friction can still take, at a stop against leaving it [N].
+    """
+    # At a stop the motion is twice the direction that the stop is in.
+    push = select(motion == AT_REST, abs(force), -0.5 * motion * force)
+    return select(is_moving(motion), motion * velocity, piston.coulomb_friction - push)
+
+
+@compiled
+def stop_margin(motion, displacement, piston):
+    """Return the distance to the stop ahead, negative beyond it; 1 while nothing moves [m].
+
+    Parameters
+    ----------
+    motion : int
+        What the piston is doing.
+    displacement : float
+        Where it is [m].
+    piston : Piston
+        The numbers of the piston.
+    """
+    ahead = select(motion == EXTENDING, piston.stroke - displacement, displacement)
+    return select(is_moving(motion), ahead, 1.0)
 
 
 @compiled
@@ -115,19 +158,13 @@ def motion_margin(motion, displacement, velocity, force, piston):
     Returns
     -------
     float
-        While moving the smaller of the velocity in the direction of motion and the distance to
-        the stop ahead; otherwise the force that friction can still take. Only the sign and the
-        zero mean anything.
+        The smaller of `friction_margin` and `stop_margin`. Only the sign and the zero mean
+        anything.
     """
-    if motion == EXTENDING:
-        return min(velocity, piston.stroke - displacement)
-    if motion == RETRACTING:
-        return min(-velocity, displacement)
-    if motion == AT_REST:
-        return piston.coulomb_friction - abs(force)
-    if motion == AT_RETRACTED_STOP:
-        return piston.coulomb_friction - force
-    return piston.coulomb_friction + force
+    return min(
+        friction_margin(motion, velocity, force, piston),
+        stop_margin(motion, displacement, piston),
+    )
 
 
 @compiled

@@ -1,4 +1,8 @@
-"""The whole chain of the single-axis rig: command, spool, flow, chambers, piston, sensor, law."""
+"""The whole chain of the single-axis rig: command, spool, flow, chambers, piston, sensor, law.
+
+The functions take the state and the modes as arrays or as tuples, and in tuples `Lanes` in place of
+numbers: the same equations advance one run or eight.
+"""
 
 from typing import NamedTuple
 
@@ -13,6 +17,7 @@ from pneuservo.plant.control_law import (
     unlimited_output,
 )
 from pneuservo.plant.gas import Gas
+from pneuservo.plant.lanes import select
 from pneuservo.plant.piston import Piston, acceleration, driving_force, is_moving
 from pneuservo.plant.valve import (
     Valve,
@@ -36,10 +41,12 @@ from pneuservo.plant.valve import (
 ) = range(10)
 PLANT_STATES = 6
 STATES_WITH_CARD = 10
+STATE_LIKE = (0.0,) * STATES_WITH_CARD
 
 # Places in the modes, and the values that are not those of `piston`.
 MOTION, SPOOL_LIMIT, RELAY_SIGN = range(3)
 SPOOL_FREE = 0
+MODES_LIKE = (0.0,) * 3
 
 # Places in a row of inputs, held from one row to the next.
 COMMAND, EXTERNAL_FORCE = range(2)
@@ -121,6 +128,86 @@ def commanded_voltage(state, modes, inputs, law, plant):
 
 
 @compiled
+def plant_rates(state, modes, inputs, law, plant, grid):
+    """Return the rates of the six states of the plant.
+
+    Parameters
+    ----------
+    state, modes, inputs, law, plant, grid
+        As in `derivative`.
+
+    Returns
+    -------
+    tuple of 6 floats or Lanes
+        In SI per second; places as named in this module.
+    """
+    piston, valve = plant.piston, plant.valve
+    motion = modes[MOTION]
+    displacement, opening = state[DISPLACEMENT], state[SPOOL]
+    velocity = select(is_moving(motion), state[VELOCITY], 0.0)
+    command = limited(commanded_voltage(state, modes, inputs, law, plant), law.level)
+    ports = (plant.supply_pressure, plant.ambient_pressure, valve, plant.gas, grid)
+    pressure_a, pressure_b = state[PRESSURE_A], state[PRESSURE_B]
+    spool_is_free = modes[SPOOL_LIMIT] == SPOOL_FREE
+    spool_push = spool_acceleration(
+        limited(command, valve.full_voltage), opening, state[SPOOL_RATE], valve
+    )
+    return (
+        velocity,
+        acceleration(piston_force(state, inputs, plant), motion, piston),
+        pressure_rate(
+            chamber_a_mass_flow(opening, pressure_a, *ports),
+            pressure_a,
+            piston.area_a * displacement + plant.dead_volume_a,
+            piston.area_a * velocity,
+            plant.polytropic_index,
+            plant.gas,
+        ),
+        pressure_rate(
+            chamber_b_mass_flow(opening, pressure_b, *ports),
+            pressure_b,
+            piston.area_b * (piston.stroke - displacement) + plant.dead_volume_b,
+            -piston.area_b * velocity,
+            plant.polytropic_index,
+            plant.gas,
+        ),
+        select(spool_is_free, state[SPOOL_RATE], 0.0),
+        select(spool_is_free, spool_push, 0.0),
+    )
+
+
+@compiled
+def card_rates(state, law):
+    """Return the rates of the four states of a card by its figures.
+
+    Parameters
+    ----------
+    state, law
+        As in `derivative`.
+
+    Returns
+    -------
+    tuple of 4 floats or Lanes
+        In V/s and V/s^2; places as named in this module, from `CARD_LAGGED_1` on.
+    """
+    lagged_1, derivative_1 = differentiator_rates(
+        law.sensitivity * state[DISPLACEMENT],
+        state[CARD_LAGGED_1],
+        state[CARD_DERIVATIVE_1],
+        law.velocity_lag_1,
+        law.velocity_lag_2,
+    )
+    lagged_2, derivative_2 = differentiator_rates(
+        differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant),
+        state[CARD_LAGGED_2],
+        state[CARD_DERIVATIVE_2],
+        law.acceleration_lag_1,
+        law.acceleration_lag_2,
+    )
+    return lagged_1, derivative_1, lagged_2, derivative_2
+
+
+@compiled
 def derivative(state, modes, inputs, law, plant, grid, rate):
     """Write the rate of the state of the whole chain.
 
@@ -141,72 +228,10 @@ def derivative(state, modes, inputs, law, plant, grid, rate):
     rate : (6,) or (10,) array
         Written: the rate of the state in SI per second.
     """
-    piston, valve = plant.piston, plant.valve
-    motion = modes[MOTION]
-    displacement, velocity, opening = state[DISPLACEMENT], state[VELOCITY], state[SPOOL]
-    if not is_moving(motion):
-        velocity = 0.0
-    command = limited(commanded_voltage(state, modes, inputs, law, plant), law.level)
-
-    rate[DISPLACEMENT] = velocity
-    rate[VELOCITY] = acceleration(piston_force(state, inputs, plant), motion, piston)
-    rate[PRESSURE_A] = pressure_rate(
-        chamber_a_mass_flow(
-            opening,
-            state[PRESSURE_A],
-            plant.supply_pressure,
-            plant.ambient_pressure,
-            valve,
-            plant.gas,
-            grid,
-        ),
-        state[PRESSURE_A],
-        piston.area_a * displacement + plant.dead_volume_a,
-        piston.area_a * velocity,
-        plant.polytropic_index,
-        plant.gas,
-    )
-    rate[PRESSURE_B] = pressure_rate(
-        chamber_b_mass_flow(
-            opening,
-            state[PRESSURE_B],
-            plant.supply_pressure,
-            plant.ambient_pressure,
-            valve,
-            plant.gas,
-            grid,
-        ),
-        state[PRESSURE_B],
-        piston.area_b * (piston.stroke - displacement) + plant.dead_volume_b,
-        -piston.area_b * velocity,
-        plant.polytropic_index,
-        plant.gas,
-    )
-    if modes[SPOOL_LIMIT] == SPOOL_FREE:
-        rate[SPOOL] = state[SPOOL_RATE]
-        rate[SPOOL_RATE] = spool_acceleration(
-            limited(command, valve.full_voltage), opening, state[SPOOL_RATE], valve
-        )
-    else:
-        rate[SPOOL] = 0.0
-        rate[SPOOL_RATE] = 0.0
+    of_plant = plant_rates(state, modes, inputs, law, plant, grid)
+    for i in range(PLANT_STATES):
+        rate[i] = of_plant[i]
     if law.source == CARD_TAPS:
-        _card_rate(state, law, rate)
-
-
-@compiled
-def _card_rate(state, law, rate):
-    rate[CARD_LAGGED_1], rate[CARD_DERIVATIVE_1] = differentiator_rates(
-        law.sensitivity * state[DISPLACEMENT],
-        state[CARD_LAGGED_1],
-        state[CARD_DERIVATIVE_1],
-        law.velocity_lag_1,
-        law.velocity_lag_2,
-    )
-    rate[CARD_LAGGED_2], rate[CARD_DERIVATIVE_2] = differentiator_rates(
-        differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant),
-        state[CARD_LAGGED_2],
-        state[CARD_DERIVATIVE_2],
-        law.acceleration_lag_1,
-        law.acceleration_lag_2,
-    )
+        of_card = card_rates(state, law)
+        for i in range(STATES_WITH_CARD - PLANT_STATES):
+            rate[PLANT_STATES + i] = of_card[i]

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from pneuservo.errors import InputError
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.gas import gas_mass_flow
+from pneuservo.plant.lane_arrays import neighbours
+from pneuservo.plant.lanes import select, whole
 from pneuservo.rigs.valve_tables import FLOW_PATHS, FlowPathTable
 
 # The break points of the tables are multiples of these, so bilinear interpolation on the even
@@ -103,7 +105,7 @@ def discharge_coefficient(path, voltage, pressure_ratio, grid):
 
     Parameters
     ----------
-    path : int
+    path : int or float
         `SUPPLY_TO_A`, `B_TO_EXHAUST`, `SUPPLY_TO_B` or `A_TO_EXHAUST`.
     voltage : float
         Command that would hold the spool where it is [V]; its magnitude counts.
@@ -124,17 +126,18 @@ def discharge_coefficient(path, voltage, pressure_ratio, grid):
     across = abs(voltage) * (1.0 / VOLTAGE_STEP)
     along = pressure_ratio * (1.0 / PRESSURE_RATIO_STEP)
     # The comparisons are also false for NaN, which must not become an index.
-    if not across > 0.0:
-        across = 0.0
-    if not along > 0.0:
-        along = 0.0
-    row = int(min(across, VOLTAGE_CELLS - 1.0))
-    column = int(min(along, PRESSURE_RATIO_CELLS - 1.0))
-    across = min(across - row, 1.0)
-    along = min(along - column, 1.0)
-    low = grid[path, row, column] * (1.0 - along) + grid[path, row, column + 1] * along
-    high = grid[path, row + 1, column] * (1.0 - along) + grid[path, row + 1, column + 1] * along
-    return low * (1.0 - across) + high * across
+    across = select(across > 0.0, min(across, 1.0 * VOLTAGE_CELLS), 0.0)
+    along = select(along > 0.0, min(along, 1.0 * PRESSURE_RATIO_CELLS), 0.0)
+    row = whole(min(across, VOLTAGE_CELLS - 1.0))
+    column = whole(min(along, PRESSURE_RATIO_CELLS - 1.0))
+    index = (path * (VOLTAGE_CELLS + 1.0) + row) * (PRESSURE_RATIO_CELLS + 1.0) + column
+    across -= row
+    along -= column
+    low, low_next = neighbours(grid, index)
+    high, high_next = neighbours(grid, index + (PRESSURE_RATIO_CELLS + 1.0))
+    low += (low_next - low) * along
+    high += (high_next - high) * along
+    return low + (high - low) * across
 
 
 @compiled
@@ -177,13 +180,18 @@ def chamber_a_mass_flow(opening, pressure, supply_pressure, exhaust_pressure, va
     valve, gas, grid
         As in `path_mass_flow`.
     """
-    if opening >= 0.0:
-        return path_mass_flow(
-            SUPPLY_TO_A, opening, valve.area_s_a, supply_pressure, pressure, valve, gas, grid
-        )
-    return -path_mass_flow(
-        A_TO_EXHAUST, opening, valve.area_a_e, pressure, exhaust_pressure, valve, gas, grid
+    filling = opening >= 0.0
+    flow = path_mass_flow(
+        select(filling, SUPPLY_TO_A, A_TO_EXHAUST),
+        opening,
+        select(filling, valve.area_s_a, valve.area_a_e),
+        select(filling, supply_pressure, pressure),
+        select(filling, pressure, exhaust_pressure),
+        valve,
+        gas,
+        grid,
     )
+    return select(filling, flow, -flow)
 
 
 @compiled
@@ -199,13 +207,18 @@ def chamber_b_mass_flow(opening, pressure, supply_pressure, exhaust_pressure, va
     valve, gas, grid
         As in `path_mass_flow`.
     """
-    if opening >= 0.0:
-        return -path_mass_flow(
-            B_TO_EXHAUST, opening, valve.area_b_e, pressure, exhaust_pressure, valve, gas, grid
-        )
-    return path_mass_flow(
-        SUPPLY_TO_B, opening, valve.area_s_b, supply_pressure, pressure, valve, gas, grid
+    emptying = opening >= 0.0
+    flow = path_mass_flow(
+        select(emptying, B_TO_EXHAUST, SUPPLY_TO_B),
+        opening,
+        select(emptying, valve.area_b_e, valve.area_s_b),
+        select(emptying, pressure, supply_pressure),
+        select(emptying, exhaust_pressure, pressure),
+        valve,
+        gas,
+        grid,
     )
+    return select(emptying, -flow, flow)
 
 
 @compiled

@@ -8,14 +8,17 @@ import numpy as np
 from pneuservo.diagnosis import Diagnosis
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case
+from pneuservo.diagnosis.problem import values_in
 from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
 
 # For people: a scale, the unit to print, and what is subtracted first.
-_DISPLAY = {"Pa": (1e-5, "bar"), "N": (1.0, "N"), "V": (1e3, "mV")}
+_DISPLAY = {"Pa": (1e-5, "bar"), "N": (1.0, "N"), "V": (1e3, "mV"), "m": (1e3, "mm")}
 _CHAINS = {
     "dead-volume": ("supply", "valve.flow", "dead-volume", "sensor.pressure"),
     "seal-tester": ("chamber.a", "piston", "load", "sensor.force"),
     "circuit": ("circuit",),
+    "analogue-card": ("card.differentiator", "card.surface", "card.boundary-layer", "card.relay"),
+    "single-axis": ("valve.spool", "valve.flow", "chamber.a", "chamber.b", "piston", "load"),
 }
 
 
@@ -79,7 +82,8 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
     for found, (label, colour) in zip(fits, labels, strict=True):
         if label == "repaired" and not repaired:
             continue
-        values = {**case.rig.effect_values, **found.shared, **found.own[index]}
+        first = diagnosis.search.cases[0]
+        values = values_in(case, first, found.shared, found.own[index])
         model = diagnosis.model.predict(case, values)
         above.plot(*thinned(time[window], model[window] * scale), color=colour, label=label)
         residual = np.where(case.usable, case.measured - model, np.nan) * scale

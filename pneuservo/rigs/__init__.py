@@ -1,6 +1,14 @@
 """Rigs as data: one TOML per rig, every value with unit and source."""
 
-from pneuservo.rigs.rig import BUILT_IN_RIGS, Parameter, Rig, load_rig
+from pneuservo.rigs.rig import BUILT_IN_RIGS, VARIANTS, Parameter, Rig, load_rig
 from pneuservo.rigs.valve_tables import FlowPathTable, load_valve_tables
 
-__all__ = ["BUILT_IN_RIGS", "FlowPathTable", "Parameter", "Rig", "load_rig", "load_valve_tables"]
+__all__ = [
+    "BUILT_IN_RIGS",
+    "VARIANTS",
+    "FlowPathTable",
+    "Parameter",
+    "Rig",
+    "load_rig",
+    "load_valve_tables",
+]

@@ -21,6 +21,10 @@ BUILT_IN_RIGS = (
     "circuit",
     "analogue-card",
 )
+"""Built-in rigs with the name of their kind."""
+
+VARIANTS = ("figure-linear-axis", "figure-rotary-axis")
+"""Built-in rigs that state what differs from that of their kind."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Rig:
         Effect id to its parameter values in SI; physics beyond the baseline, as a repaired
         model has it. Empty for the baseline.
     valve : str, optional
-        Name of the valve whose tables are used; ``""`` without a valve.
+        Name of the valve whose tables are used, or path of its file; ``""`` without a valve.
     """
 
     name: str
@@ -157,8 +161,8 @@ def load_rig(name_or_path: str | Path) -> Rig:
     Parameters
     ----------
     name_or_path : str or Path
-        A name of `BUILT_IN_RIGS`, or the path of a file. A file names its ``kind`` and need
-        only state what differs from the built-in rig of that kind.
+        A name of `BUILT_IN_RIGS` or `VARIANTS`, or the path of a file. A file names its ``kind``
+        and need only state what differs from the built-in rig of that kind.
 
     Returns
     -------
@@ -179,11 +183,14 @@ def load_rig(name_or_path: str | Path) -> Rig:
     name = str(name_or_path)
     if name in BUILT_IN_RIGS:
         return _built_in(name)
+    known = (*BUILT_IN_RIGS, *VARIANTS)
+    if name in VARIANTS:
+        return _merge(_read_built_in(name), Path(name))
     path = Path(name)
     if path.suffix != ".toml":
         raise InputError(
-            f"rig {name!r} is not known; there are: {', '.join(BUILT_IN_RIGS)}, "
-            "or give the path of a rig file ending in .toml" + nearest(name, BUILT_IN_RIGS)
+            f"rig {name!r} is not known; there are: {', '.join(known)}, "
+            "or give the path of a rig file ending in .toml" + nearest(name, known)
         )
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -199,8 +206,12 @@ def load_rig(name_or_path: str | Path) -> Rig:
     return _merge(data, path)
 
 
+def _read_built_in(name: str) -> dict[str, Any]:
+    return tomllib.loads((files("pneuservo.rigs") / f"{name}.toml").read_text(encoding="utf-8"))
+
+
 def _built_in(name: str) -> Rig:
-    data = tomllib.loads((files("pneuservo.rigs") / f"{name}.toml").read_text(encoding="utf-8"))
+    data = _read_built_in(name)
     head = data["rig"]
     parameters = {
         key: _parameter(entry, str(entry["unit"]), key) for key, entry in data["parameters"].items()
@@ -227,8 +238,17 @@ def _merge(data: dict[str, Any], path: Path) -> Rig:
         require_known(key, parameters, f"{path} [parameters]")
         parameters[key] = _parameter(entry, parameters[key].unit, f"{path} {key}", parameters[key])
     effects = _effects(_table(data, "effects", path), kind, f"{path} [effects]")
-    title, valve = head.get("title", base.title), head.get("valve", base.valve)
-    return Rig(str(path), kind, str(title), parameters, effects, str(valve))
+    title, valve = head.get("title", base.title), str(head.get("valve", base.valve))
+    return Rig(str(path), kind, str(title), parameters, effects, _valve(valve, path))
+
+
+def _valve(valve: str, path: Path) -> str:
+    """Return the name of a built-in valve, or the path of a valve file beside the rig file."""
+    if not valve.endswith(".toml"):
+        return valve
+    if Path(valve).name != valve:
+        raise InputError(f"{path} [rig]: valve is {valve!r}; a valve file stands beside the rig's")
+    return str(path.parent / valve)
 
 
 def _table(data: dict[str, Any], key: str, path: Path) -> dict[str, Any]:

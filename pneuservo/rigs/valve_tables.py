@@ -4,6 +4,8 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +36,13 @@ class FlowPathTable:
 
 @cache
 def load_valve_tables(name: str) -> dict[str, FlowPathTable]:
-    """Return the discharge-coefficient tables of a built-in valve.
+    """Return the discharge-coefficient tables of a valve.
 
     Parameters
     ----------
     name : str
-        Name of the valve, such as ``"ddv-27a1"``.
+        Name of a built-in valve, such as ``"ddv-27a1"``, or the path of a valve file ending in
+        ``.toml``, such as a calibration writes.
 
     Returns
     -------
@@ -50,23 +53,62 @@ def load_valve_tables(name: str) -> dict[str, FlowPathTable]:
     Raises
     ------
     InputError
-        When there is no such valve.
+        When there is no such valve, or the file holds no tables.
 
     Examples
     --------
     >>> float(load_valve_tables("ddv-27a1")["s_a"].discharge_coefficient[-1, 0])
     0.8
     """
+    if name.endswith(".toml"):
+        return _tables(_read(Path(name)), name)
     folder = files("pneuservo.rigs") / "valves"
     known = sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir())
     if name not in known:
-        raise InputError(f"valve {name!r} is not known; there are: {', '.join(known)}")
-    data = tomllib.loads((folder / f"{name}.toml").read_text(encoding="utf-8"))
-    return {
-        path: FlowPathTable(
-            np.array(table["command_volts"]),
-            np.array(table["pressure_ratio"]),
-            np.array(table["discharge_coefficient"]),
+        raise InputError(
+            f"valve {name!r} is not known; there are: {', '.join(known)}, or give the name of a "
+            "valve file ending in .toml"
         )
-        for path, table in data["path"].items()
-    }
+    return _tables(tomllib.loads((folder / f"{name}.toml").read_text(encoding="utf-8")), name)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read: {problem.strerror}") from problem
+    # Very deep nesting and very long integers make the parser give up in its own ways.
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, ValueError) as problem:
+        raise InputError(f"{path}: is not valid TOML: {problem}") from problem
+
+
+def _tables(data: dict[str, Any], where: str) -> dict[str, FlowPathTable]:
+    paths = data.get("path")
+    if not isinstance(paths, dict) or set(paths) != set(FLOW_PATHS):
+        found = ", ".join(paths) if isinstance(paths, dict) else "no such tables"
+        raise InputError(
+            f"{where}: a valve needs the tables {', '.join(f'[path.{key}]' for key in FLOW_PATHS)}"
+            f"; there are: {found}"
+        )
+    return {path: _table(table, f"{where} [path.{path}]") for path, table in paths.items()}
+
+
+def _table(table: Any, where: str) -> FlowPathTable:
+    names = ("command_volts", "pressure_ratio", "discharge_coefficient")
+    try:
+        command, ratio, coefficient = (np.array(table[name], dtype=float) for name in names)
+    except (KeyError, TypeError, ValueError) as problem:
+        raise InputError(
+            f"{where}: needs {', '.join(names)}, the latter two with as many numbers in every row "
+            f"({problem})"
+        ) from problem
+    if command.ndim != 1 or ratio.ndim != 2 or ratio.shape != coefficient.shape:
+        raise InputError(f"{where}: {', '.join(names)} are not one row of points per command")
+    if len(command) != len(ratio) or not len(command):
+        raise InputError(f"{where}: {len(command)} commands for {len(ratio)} rows")
+    everything = np.concatenate((command, ratio.ravel(), coefficient.ravel()))
+    if not np.isfinite(everything).all() or (everything < 0.0).any():
+        raise InputError(f"{where}: every number has to be finite and 0 or more")
+    if (np.diff(command) <= 0.0).any() or (np.diff(ratio, axis=1) <= 0.0).any():
+        raise InputError(f"{where}: commands and the pressure ratios of a row have to increase")
+    return FlowPathTable(command, ratio, coefficient)

@@ -14,6 +14,10 @@ from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.single_axis import SingleAxis
 
+# How far a time may be from equally spaced ones, as a share of the interval: stored times are
+# rounded. Within it a channel is off by no more than its rate times this share of the interval.
+JITTER = 0.01
+
 
 def run_behaviour(
     time: NDArray[np.float64],
@@ -30,7 +34,7 @@ def run_behaviour(
     Parameters
     ----------
     time : (n,) array
-        Equally spaced [s].
+        Equally spaced, but for `JITTER` [s].
     inputs : (n, 2) array
         Demand [m] and external force [N].
     state : (6,) array
@@ -56,12 +60,8 @@ def run_behaviour(
     InputError
         When the times are not equally spaced.
     """
-    interval = float(time[-1] - time[0]) / (len(time) - 1)
-    if not np.allclose(np.diff(time), interval, rtol=1e-6, atol=0.0):
-        raise InputError(
-            "the behavioural card needs equally spaced times; give such times, or simulate the "
-            "card by its figures"
-        )
+    time = _equally_spaced(time)
+    interval = time[1] - time[0]
     steps = max(math.ceil(interval / largest_step - 1e-9), 1)
     substeps = max(math.ceil(interval / steps / CARD_STEP - 1e-9), 1)
     stages = card_stages(behaviour)
@@ -83,3 +83,19 @@ def run_behaviour(
             grid,
         )
     )
+
+
+def _equally_spaced(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return equally spaced times in the place of times that are so but for their rounding."""
+    even = np.linspace(time[0], time[-1], len(time))
+    interval = float(time[-1] - time[0]) / (len(time) - 1)
+    off = np.abs(time - even)
+    worst = int(np.argmax(off))
+    if off[worst] > JITTER * interval:
+        raise InputError(
+            f"the behaviour of the card needs equally spaced times: sample {worst} is at "
+            f"{time[worst]:.6g} s, equally spaced it would be at {even[worst]:.6g} s (up to "
+            f"{JITTER:.0%} of the interval of {interval:.3g} s is allowed). Give such times, or "
+            "simulate the card by its figures or its circuit, which take any"
+        )
+    return even

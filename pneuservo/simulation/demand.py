@@ -1,14 +1,20 @@
 """Demands: what the piston is asked to do."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analog_card.quantities import as_text, to_si_all
 from pneuservo.errors import InputError
+
+HOLD, RATE = 0.5, 1000.0
+"""How long a set point is held [s], and how often a demand is sampled [Hz], unless said."""
 
 # A sample a microsecond for 20 s; more is a slip in a unit, and would not fit into memory for long.
 _MOST_SAMPLES = 20_000_000
+_RECORDING_SUFFIXES = (".csv", ".parquet", ".h5", ".hdf5", ".mat", ".tdms")
 
 
 def step_demand(
@@ -54,3 +60,51 @@ def step_demand(
         )
     demand = np.repeat(np.asarray(values, dtype=float), samples)
     return np.arange(len(demand)) / rate, demand
+
+
+def set_points(text: str, stroke: float, what: str = "demand") -> list[float]:
+    """Return the set points in a text; one without a unit has the unit of the last.
+
+    Parameters
+    ----------
+    text : str
+        Separated by commas.
+    stroke : float
+        Of the piston [m].
+    what : str, optional
+        Where the text was given, for the error message.
+
+    Returns
+    -------
+    list of float
+        [m].
+
+    Raises
+    ------
+    InputError
+        When one cannot be read as a length, or is outside the stroke.
+
+    Examples
+    --------
+    >>> set_points("15, 24, 6 mm", 0.03)
+    [0.015, 0.024, 0.006]
+    """
+    values = to_si_all(text.split(","), "m", what)
+    for value in values:
+        if not 0.0 <= value <= stroke:
+            raise InputError(
+                f"{what}: {as_text(value, 'm')} is outside the stroke, 0 to {stroke * 1e3:g} mm; "
+                'give the unit once or with each, such as "15,24,6,15 mm"'
+            )
+    return values
+
+
+def names_recording(demand: str) -> bool:
+    """Return whether a text is the name of a recording rather than set points.
+
+    Examples
+    --------
+    >>> names_recording("runs/loop.csv"), names_recording("15,24 mm")
+    (True, False)
+    """
+    return Path(demand).suffix.lower() in _RECORDING_SUFFIXES

@@ -14,7 +14,7 @@ LARGEST_STEP = 20e-6
 _MOST_STEPS = 2_000_000_000
 
 
-def require_kind(rig: Rig | str, kind: str) -> Rig:
+def require_kind(rig: Rig | str, kind: str, effects: bool = False) -> Rig:
     """Return a rig that can be simulated.
 
     Parameters
@@ -23,6 +23,8 @@ def require_kind(rig: Rig | str, kind: str) -> Rig:
         A rig, or the name or path of one.
     kind : str
         Which chain of blocks it has to be.
+    effects : bool, optional
+        Whether it may have physics beyond the baseline.
 
     Returns
     -------
@@ -32,7 +34,7 @@ def require_kind(rig: Rig | str, kind: str) -> Rig:
     Raises
     ------
     InputError
-        When it is of another kind, or has physics beyond the baseline.
+        When it is of another kind, or has physics beyond the baseline that is not allowed.
     """
     if isinstance(rig, str):
         rig = load_rig(rig)
@@ -41,9 +43,9 @@ def require_kind(rig: Rig | str, kind: str) -> Rig:
             f"rig {rig.name} is of kind {rig.kind}; {kind} is needed here. "
             "Rigs of kind single-axis and dead-volume can be simulated"
         )
-    if rig.effects:
+    if rig.effects and not effects:
         raise InputError(
-            f"rig {rig.name} has effects beyond the baseline that cannot be simulated: "
+            f"rig {rig.name} has effects beyond the baseline that cannot be simulated here: "
             f"{', '.join(sorted(rig.effects))}; remove them from [effects] to simulate without"
         )
     return rig

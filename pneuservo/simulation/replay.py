@@ -5,11 +5,14 @@ from collections.abc import Callable
 import numpy as np
 
 from pneuservo.errors import InputError
+from pneuservo.plant.from_rig import single_axis
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation.initial_state import InitialState
+from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.result import Simulation
 from pneuservo.simulation.run import simulate, simulate_dead_volume
+from pneuservo.simulation.servo import state_behind
 
 
 def replay(
@@ -25,7 +28,8 @@ def replay(
     recording : Recording
         Needs ``valve_voltage``; each sample is held until the next.
     rig : Rig or str, optional
-        The rig; by default the one the recording names. The recording's conditions are applied.
+        The rig; by default the one the recording names. The recording's conditions are applied,
+        its supply pressure drives the valve where it was measured.
     port : str, optional
         Where a test volume is connected, ``"a"`` or ``"b"``; by default told from whether the
         recorded pressure rises with the command.
@@ -60,12 +64,17 @@ def replay(
         )
     if port is not None:
         raise InputError(f"a port belongs to a test volume; rig {rig.name} is of kind {rig.kind}")
+    first_sample = initial_state(recording, rig, warn)
+    if rig.effects:
+        rig = require_kind(rig, "single-axis", effects=True)
+        first_sample = state_behind(first_sample, rig, single_axis(rig))
     return simulate(
         rig,
         time=recording.time,
         command=recording["valve_voltage"],
         external_force=_force(recording, warn),
-        initial=initial_state(recording, rig, warn),
+        supply_pressure=_supply(recording, warn),
+        initial=first_sample,
     )
 
 
@@ -133,6 +142,19 @@ def _force(recording: Recording, warn: Callable[[str], None]) -> np.ndarray | fl
         warn(f"{recording.name}: force has missing samples; no external force is assumed there")
         force = np.where(np.isfinite(force), force, 0.0)
     return force
+
+
+def _supply(recording: Recording, warn: Callable[[str], None]) -> np.ndarray | None:
+    if "supply_pressure" not in recording:
+        return None
+    supply = recording["supply_pressure"]
+    known = np.isfinite(supply)
+    if not known.any():
+        warn(f"{recording.name}: supply_pressure is missing throughout; the rig's is assumed")
+        return None
+    if not known.all():
+        warn(f"{recording.name}: supply_pressure has missing samples; a straight line fills them")
+    return np.interp(recording.time, recording.time[known], supply[known])
 
 
 def _port(recording: Recording, warn: Callable[[str], None]) -> str:

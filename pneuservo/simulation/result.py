@@ -1,6 +1,5 @@
 """The result of a simulation."""
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -8,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.controllers import Controller
+from pneuservo.controllers import Controller, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording
 from pneuservo.rigs import Rig, load_rig
@@ -80,9 +79,8 @@ class Simulation:
         notes = ""
         if self.controller is not None:
             title = f"simulated, {self.controller.kind} controller"
-            notes = ", ".join(
-                f"{name} = {value!r}" for name, value in dataclasses.asdict(self.controller).items()
-            )
+            settings = controller_settings(self.controller)
+            notes = ", ".join(f"{name} = {value!r}" for name, value in settings.items())
         return Recording(
             name=name,
             time=self.time,
@@ -162,10 +160,11 @@ class Simulation:
         first = (self._last_change() + len(self)) // 2
         if start is not None:
             first = int(np.searchsorted(self.time, start))
-        if first >= len(self) - 1:
-            raise InputError(
-                f"a limit cycle is looked for from {start:g} s; the run ends at {self.time[-1]:g} s"
-            )
+            if first >= len(self) - 1:
+                raise InputError(
+                    f"a limit cycle is looked for from {start:g} s; the run ends at "
+                    f"{self.time[-1]:g} s"
+                )
         return limit_cycle(self.time[first:], signal[first:])
 
     def plot(self, ax: "Axes", *channels: str) -> "Axes":
@@ -192,6 +191,18 @@ class Simulation:
         from pneuservo.simulation.plots import overview
 
         return overview(self)
+
+    def phase_plane(self) -> "Figure":
+        """Return a figure of the phase plane with sliding surface and boundary layer.
+
+        Raises
+        ------
+        InputError
+            When the controller has no sliding surface.
+        """
+        from pneuservo.simulation.phase_plane import phase_figure
+
+        return phase_figure(self)
 
     def _require(self, channel: str) -> None:
         if channel not in self.channels:

@@ -6,11 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pneuservo.controllers import AnalogueCard, Controller
+from pneuservo.effects.servo import servo_effects
 from pneuservo.errors import InputError
 from pneuservo.plant import dead_volume as dead_volume_kernels
-from pneuservo.plant import from_rig, integrator
+from pneuservo.plant import from_rig, single_run
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
+from pneuservo.plant.exponential import step_limit
+from pneuservo.plant.outputs import OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B, OUTPUTS
 from pneuservo.rigs import Rig
 from pneuservo.simulation.behavioural_card import run_behaviour
 from pneuservo.simulation.initial_state import InitialState
@@ -21,6 +24,7 @@ from pneuservo.simulation.inputs import (
     require_times,
 )
 from pneuservo.simulation.result import Simulation
+from pneuservo.simulation.servo import run_with_effects
 
 # Share of the shortest time constant of spool and card that a step may take.
 _STEP_PER_TIME_CONSTANT = 0.5
@@ -34,6 +38,7 @@ def simulate(
     controller: Controller | None = None,
     demand: ArrayLike | None = None,
     external_force: ArrayLike = 0.0,
+    supply_pressure: ArrayLike | None = None,
     initial: InitialState | None = None,
     largest_step: float = LARGEST_STEP,
 ) -> Simulation:
@@ -42,7 +47,7 @@ def simulate(
     Parameters
     ----------
     rig : Rig or str, optional
-        A rig of kind ``single-axis``, or its name.
+        A rig of kind ``single-axis``, or its name. Its effects, if it has any, are simulated.
     time : (n,) array
         Times of the result, strictly increasing [s].
     command : (n,) array or float, optional
@@ -53,6 +58,8 @@ def simulate(
         Set point for the controller, each value held until the next time [m].
     external_force : (n,) array or float, optional
         Force at the rod, positive when it resists extension, held likewise [N].
+    supply_pressure : (n,) array or float, optional
+        Measured at the supply, straight between the times; the rig's constant by default [Pa].
     initial : InitialState, optional
         By default at rest at the first demand, or at mid-stroke without one.
     largest_step : float, optional
@@ -70,8 +77,10 @@ def simulate(
 
     Notes
     -----
-    Fixed-step Runge-Kutta of order 4; stick and slip, end stops, spool limits and relay switching
-    are located inside the step. Changes of command, demand and force fall between steps.
+    Fixed steps of an exponential Runge-Kutta method of order 4; stick and slip, end stops, spool
+    limits and relay switching are located inside the step. Changes of command, demand and force
+    fall between steps.
+    With effects `pneuservo.plant.servo` takes over, and the channels are what transducers read.
 
     Examples
     --------
@@ -79,7 +88,7 @@ def simulate(
     >>> bool(run["displacement"][2] > run["displacement"][1] > 0.015)
     True
     """
-    rig = require_kind(rig, "single-axis")
+    rig = require_kind(rig, "single-axis", effects=True)
     times = require_times(time)
     if (command is None) == (controller is None):
         raise InputError("give either a command or a controller with a demand")
@@ -92,20 +101,46 @@ def simulate(
     plant = from_rig.single_axis(rig)
     force = require_samples("external_force", external_force, times)
     rest = 0.5 * plant.piston.stroke if controller is None else float(held[0])
-    state = (initial or InitialState()).state(plant, rest, float(force[0]))
     grid = from_rig.valve_grid(rig.valve)
     step = _step(largest_step, plant.valve.spool_frequency, law)
-    inputs = np.column_stack((held, force))
-    if isinstance(controller, AnalogueCard) and controller.behaviour is not None:
-        outputs = run_behaviour(
-            times, inputs, state, controller.behaviour, law.sensitivity, plant, grid, step
+    behaviour = controller.behaviour if isinstance(controller, AnalogueCard) else None
+    if rig.effects or supply_pressure is not None:
+        if behaviour is not None:
+            raise InputError(
+                "the card's behavioural model drives the baseline only: simulate the card by its "
+                "figures, or leave out [effects] and the measured supply pressure"
+            )
+        supply = None
+        if supply_pressure is not None:
+            supply = require_samples("supply_pressure", supply_pressure, times)
+        columns, finite = run_with_effects(
+            servo_effects(rig.effect_values),
+            times,
+            held,
+            force,
+            supply,
+            initial or InitialState(),
+            rest,
+            law,
+            plant,
+            grid,
+            step,
         )
+        _require_finite(times, finite)
+        return _result(rig, times, columns, controller, law, held, force)
+    state = (initial or InitialState()).state(plant, rest, float(force[0]))
+    inputs = np.column_stack((held, force))
+    if behaviour is not None:
+        outputs = run_behaviour(times, inputs, state, behaviour, law.sensitivity, plant, grid, step)
     else:
         if law.source == CARD_TAPS:
-            state = _with_card_at_rest(state, law)
-        outputs = integrator.run(times, inputs, state, law, plant, grid, step)
-    _require_finite(times, outputs[:, :6])
-    columns = dict(zip(integrator.OUTPUTS, outputs.T, strict=True))
+            state = with_card_at_rest(state, law)
+        step = min(float(largest_step), step_limit(plant, law))
+        outputs = single_run.run(times, inputs, state, law, plant, grid, step)
+    pressures = outputs[:, [OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B]]
+    states = outputs[:, : places.PLANT_STATES]
+    _require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
+    columns = dict(zip(OUTPUTS, outputs.T, strict=True))
     return _result(rig, times, columns, controller, law, held, force)
 
 
@@ -170,7 +205,7 @@ def simulate_dead_volume(
         from_rig.valve_grid(rig.valve),
         _step(largest_step, 0.0, OPEN_LOOP),
     )
-    _require_finite(times, pressure[:, np.newaxis])
+    _require_finite(times, np.isfinite(pressure[:, np.newaxis]).all(axis=1))
     full = plant.valve.full_voltage
     channels = {
         "valve_voltage": voltage,
@@ -193,20 +228,21 @@ def _step(largest_step: float, spool_frequency: float, law: ControlLaw) -> float
     return min(float(largest_step), _STEP_PER_TIME_CONSTANT / fastest)
 
 
-def _with_card_at_rest(state: NDArray[np.float64], law: ControlLaw) -> NDArray[np.float64]:
+def with_card_at_rest(state: NDArray[np.float64], law: ControlLaw) -> NDArray[np.float64]:
+    """Return the state of the plant with that of a card by its figures, which has settled."""
     full = np.zeros(places.STATES_WITH_CARD)
     full[: places.PLANT_STATES] = state
     full[places.CARD_LAGGED_1] = law.sensitivity * state[places.DISPLACEMENT]
     return full
 
 
-def _require_finite(times: NDArray[np.float64], outputs: NDArray[np.float64]) -> None:
-    finite = np.isfinite(outputs).all(axis=1)
+def _require_finite(times: NDArray[np.float64], finite: NDArray[np.bool_]) -> None:
     if not finite.all():
         k = int(np.argmin(finite))
         raise InputError(
-            f"the simulated state stops being finite at t = {times[k]:g} s: the parameters make "
-            "the rig faster than the integration step; check them, or give a smaller largest_step"
+            f"the simulated state stops being finite, or a pressure positive, at t = {times[k]:g} "
+            "s: the parameters make the rig faster than the integration step; check them, or give "
+            "a smaller largest_step"
         )
 
 

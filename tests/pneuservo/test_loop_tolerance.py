@@ -3,15 +3,20 @@
 import json
 from functools import partial
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from analog_card.command_line.tolerance import parsed_limits
 from analog_card.design_file import load_design
-from analog_card.tolerance import Tolerances, draw, elements_of, quantities
+from analog_card.tolerance import draw, elements_of, quantities
 from analog_card.tolerance_figures import behaviour_figures
 from analog_card.tolerance_trials import run_trials
+from pneuservo.circuit_loop import simulate_circuit_loop
 from pneuservo.command_line import main
+from pneuservo.controllers import card_of
 from pneuservo.rigs import load_rig
+from pneuservo.simulation import simulate
 from pneuservo.tolerance import ALL_FIGURES, _trials, closed_loop_figures
 
 
@@ -32,10 +37,9 @@ def test_figures_of_the_recommended_card(design):
 
 
 def test_the_loop_holds_where_the_open_loop_says(design):
-    tolerances = Tolerances()
-    items = quantities(design, tolerances)
+    items = quantities(design)
     for index in range(2):
-        elements = elements_of(draw(items, 0, index), design, tolerances)
+        elements = elements_of(draw(items, 0, index), design)
         loop = closed_loop_figures(design, elements, load_rig("single-axis"))
         if loop["chatter"] > 0.1:
             continue
@@ -45,25 +49,38 @@ def test_the_loop_holds_where_the_open_loop_says(design):
         assert loop["steady_state_error"] == pytest.approx(at_rest, abs=5e-6)
 
 
+@pytest.mark.ngspice
+def test_a_drawn_card_closes_the_loop_alike_as_circuit_and_as_behaviour(design):
+    elements = elements_of(draw(quantities(design), 4, 0), design)
+    time = np.linspace(0, 0.15, 1501)
+    demand = np.where(time < 5e-5, 15e-3, 24e-3)
+    circuit = simulate_circuit_loop(design, time=time, demand=demand, elements=elements)
+    card = card_of(design, elements=elements)
+    found = simulate("single-axis", time=time, demand=demand, controller=card)
+    apart = np.abs(circuit["displacement"] - found["displacement"])
+    # As for the card as designed: 0.5 % of the step.
+    assert apart.max() < 0.005 * 9e-3
+    # The card as designed does something else: its layer is wider or narrower.
+    alike = simulate("single-axis", time=time, demand=demand, controller=card_of(design))
+    assert np.abs(alike["displacement"] - found["displacement"]).max() > 0.01 * 9e-3
+
+
 def test_a_trial_is_the_same_alone_and_among_others(design):
-    trial = partial(_trials, design, Tolerances(), load_rig("single-axis"), 3)
+    trial = partial(_trials, design, load_rig("single-axis"), 3)
     assert run_trials(trial, 2, "x")[1] == next(iter(trial([1])))
 
 
 def test_command_prints_json_and_goes_on(tmp_path):
     arguments = ["tolerance", "--trials", "3", "--json", "--out", str(tmp_path)]
-    tight = ["--resistor", "0", "--capacitor", "0", "--matched-resistor", "0"]
-    tight += [
-        "--offset-voltage",
-        "0",
-        "--potentiometer",
-        "0",
-        "--offset-drift",
-        "0",
-        "--lowest-temperature",
-        "25",
-    ]
-    tight += ["--highest-temperature", "25", "--limit", "steady_state_error=-0.3mm..0.3mm"]
+    # Corners of every quantity would be a hundred runs: only one is spread.
+    nothing = (
+        "resistor matched-resistor capacitor potentiometer zener zener-matching offset-voltage "
+        "offset-drift gain-bandwidth slew-rate positive-swing negative-swing"
+    )
+    tight = [f"--{name}=0" for name in nothing.split()]
+    tight += ["--bias-current=1", "--open-loop-gain=1", "--potentiometer=0.1"]
+    tight += ["--lowest-temperature=25", "--highest-temperature=25"]
+    tight += ["--limit", "steady_state_error=-0.3mm..0.3mm"]
     result = CliRunner().invoke(main, arguments + tight)
     assert result.exit_code == 0, result.output
     found = json.loads(result.output)
@@ -73,6 +90,11 @@ def test_command_prints_json_and_goes_on(tmp_path):
     other = CliRunner().invoke(main, [*arguments, *tight, "--seed", "1"])
     assert other.exit_code == 2
     assert "another study" in other.output
+
+
+def test_limits_of_every_figure_are_read():
+    texts = tuple(f"{name}=1 {unit}..2 {unit}" for name, unit in ALL_FIGURES.items())
+    assert parsed_limits(texts, ALL_FIGURES) == dict.fromkeys(ALL_FIGURES, (1.0, 2.0))
 
 
 def test_bad_limits_exit_with_status_2():

@@ -1,6 +1,7 @@
 """``pneuservo simulate`` as typed."""
 
 import json
+import re
 import shlex
 
 import numpy as np
@@ -12,6 +13,8 @@ from pneuservo.recordings import Recording, read_recording, write_recording
 from pneuservo.simulation import simulate, simulate_dead_volume
 
 LOOP = ["--controller", "sliding-mode", "--demand", "15,24 mm", "--hold", "0.5 s"]
+CARD = ["--controller", "analogue-card", *LOOP[2:]]
+PROPORTIONAL = ["--controller", "proportional", *LOOP[2:]]
 
 
 @pytest.fixture
@@ -35,8 +38,8 @@ def test_the_examples_of_the_help_run(run, tmp_path):
     examples = [
         line.strip() for line in helped.output.splitlines() if "pneuservo simulate --" in line
     ]
-    assert len(examples) == 2
-    assert helped.output.rstrip().endswith(examples[1])
+    assert len(examples) == 3
+    assert helped.output.rstrip().endswith(examples[-1])
     for example in examples:
         done = run(*shlex.split(example)[2:])
         assert done.exit_code == 0, done.output
@@ -78,7 +81,7 @@ def test_options_reach_the_controller(run):
 
 
 def test_the_card_comes_from_its_design(run):
-    loop = ["--controller", "analogue-card", *LOOP[2:], "--json"]
+    loop = [*CARD, "--json"]
     plain = json.loads(run(*loop).stdout)["controller"]["figures"]
     assert plain["rc_velocity"] == pytest.approx(0.012)
     tuned = json.loads(run(*loop, "--settling-time", "0.1 s").stdout)["controller"]["figures"]
@@ -86,6 +89,58 @@ def test_the_card_comes_from_its_design(run):
     relay = json.loads(run(*loop, "--boundary-layer", "0").stdout)["controller"]["figures"]
     assert relay["output_gain"] is None  # infinite
     assert relay["level"] == pytest.approx(5.0)
+
+
+def test_the_card_by_its_behaviour(run):
+    loop = [*CARD, "--card", "behaviour", "--json"]
+    report = json.loads(run(*loop, "--out", "card.csv").stdout)
+    # All offsets of 5 mV are worth 81 um (worked out in test_circuit_loop).
+    assert report["steady_state_error"] == pytest.approx(-81e-6, abs=10e-6)
+    sidecar = read_recording("card.csv")
+    assert sidecar.title == "simulated, analogue-card controller by its behaviour"
+    without = run(*loop, "--without", "offset-voltage", "--without", "slew-rate")
+    report = json.loads(without.stdout)
+    assert abs(report["steady_state_error"]) < 10e-6
+    kept = report["controller"]["behaviour"]["imperfections"]
+    assert {name for name, kept in kept.items() if not kept} == {"offset_voltage", "slew_rate"}
+
+
+@pytest.mark.ngspice
+def test_the_card_by_its_circuit_does_what_its_behaviour_does(run):
+    loop = [*CARD[:2], "--demand", "15,16 mm", "--hold", "60 ms", "--boundary-layer", "6"]
+    for card in ("circuit", "behaviour", "figures"):
+        done = run(*loop, "--card", card, "--out", f"{card}.csv", "--phase-plane", f"{card}.svg")
+        assert done.exit_code == 0, done.output
+    circuit, behaviour, figures = (
+        read_recording(f"{card}.csv")["displacement"]
+        for card in ("circuit", "behaviour", "figures")
+    )
+    # What is asked for: 0.5 % of the step. The figures know no offsets, worth some 80 um.
+    assert np.abs(circuit - behaviour).max() < 5e-6
+    assert np.abs(figures - behaviour).max() > 50e-6
+
+
+def test_the_phase_plane_is_drawn(run, tmp_path):
+    done = run(*LOOP, "--phase-plane", "phase.svg")
+    assert done.exit_code == 0, done.output
+    assert "written: phase.svg" in done.output
+    assert "boundary layer" in (tmp_path / "phase.svg").read_text()
+
+
+def test_rounded_times_are_equally_spaced_enough_for_the_behaviour(run, tmp_path):
+    loop = ["--controller", "analogue-card", "--card", "behaviour", "--demand", "rounded.csv"]
+    time = np.round(np.arange(100) / 3e3, 6)
+    step = np.where(time < 0.01, 0.015, 0.016)
+    write_recording(Recording("r", time, {"demand": step, "displacement": step}), "rounded.csv")
+    assert run(*loop).exit_code == 0
+    write_recording(Recording("r", time**1.1, {"demand": step, "displacement": step}), "odd.csv")
+    done = run(*loop[:-1], "odd.csv")
+    assert done.exit_code == 2
+    # x - x^1.1 is largest at x = 1.1^-10 = 0.386 of the span.
+    assert re.search(
+        "needs equally spaced times: sample 3[789] is at", " ".join(done.stderr.split())
+    )
+    assert run(*loop[:2], "--demand", "odd.csv").exit_code == 0
 
 
 def test_replay_equals_the_simulation_of_the_same_command(run):
@@ -143,6 +198,13 @@ def test_demand_of_a_recording(run):
         ([*LOOP, "--rig", "figure-arm"], "kind figure-arm; single-axis is needed"),
         ([*LOOP, "--rig", "nowhere"], "rig 'nowhere' is not known"),
         ([*LOOP, "--plot", "run.gif"], "a picture ends in one of: .png, .svg, .pdf"),
+        ([*LOOP, "--phase-plane", "run.gif"], "--phase-plane run.gif: a picture ends in one of"),
+        (["--replay", "x.csv", "--phase-plane", "x.svg"], "--phase-plane is not used by a replay"),
+        ([*PROPORTIONAL, "--phase-plane", "x.svg"], "proportional has no sliding surface"),
+        ([*LOOP, "--card", "circuit"], "--card is not an option of the controller sliding-mode"),
+        ([*CARD, "--without", "saturation"], "simulated by its figures here. Add --card behaviour"),
+        ([*CARD, "--card", "spice"], "'spice' is not one of 'figures', 'behaviour', 'circuit'"),
+        ([*CARD, "--card", "circuit", "--without", "slew-rate"], "by its circuit here"),
         ([*LOOP, "--out", "run.xyz"], "run.xyz"),
         ([*LOOP, "--out", "/dev/null/run.csv"], "--out /dev/null/run.csv: cannot be written"),
         ([*LOOP[:3], "15,24"], "15 m is outside the stroke, 0 to 30 mm"),

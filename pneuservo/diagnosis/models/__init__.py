@@ -1,13 +1,16 @@
 """The models the diagnosis compares with recordings, one per kind of rig."""
 
+from pneuservo.diagnosis.models.analogue_card import AnalogueCardModel
 from pneuservo.diagnosis.models.circuit import CircuitModel
 from pneuservo.diagnosis.models.dead_volume import DeadVolumeModel
 from pneuservo.diagnosis.models.model import Case, Model, Unknown
 from pneuservo.diagnosis.models.seal_tester import SealTesterModel
+from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.errors import InputError
 
 _MODELS: dict[str, type[Model]] = {
-    model.kind: model for model in (DeadVolumeModel, SealTesterModel, CircuitModel)
+    model.kind: model
+    for model in (DeadVolumeModel, SealTesterModel, CircuitModel, ServoModel, AnalogueCardModel)
 }
 
 

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pneuservo.effects.leakage import laminar_leak, orifice_leak, power_leak
 from pneuservo.plant.chamber import pressure_rate
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.dead_volume import PORT_A
+from pneuservo.plant.leak_laws import laminar_leak, orifice_leak, power_leak
 from pneuservo.plant.valve import chamber_a_mass_flow, chamber_b_mass_flow
 
 

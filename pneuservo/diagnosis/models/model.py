@@ -1,6 +1,6 @@
 """What every model of the diagnosis offers."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -88,6 +88,8 @@ class Model:
     unit: ClassVar[str]
     block: ClassVar[str]
     required: ClassVar[tuple[str, ...]]
+    steady: ClassVar[bool] = False
+    """Whether what the rig's parameters do hardly changes with their values."""
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -139,6 +141,18 @@ class Model:
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return phrases that name parts of a recording, with the samples they cover."""
         raise NotImplementedError
+
+    def imitate(
+        self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
+    ) -> list[Case]:
+        """Return the cases as the rig without effects would have given them; none if it can't."""
+        return []
+
+    def suspects(
+        self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
+    ) -> dict[str, float]:
+        """Return the blocks that what is left may belong to, with their shares of it."""
+        return {self.block: 1.0}
 
     def derived(
         self, case: Case, effect: str

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
 from pneuservo.diagnosis.noise import noise_floor
-from pneuservo.effects.friction import presliding_state
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.presliding import presliding_state
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 

@@ -9,7 +9,7 @@ import truth_seal_tester as truth
 from reading_answers import assert_recovered, entry_of, named, separable
 
 from pneuservo.diagnosis import diagnose, document
-from pneuservo.effects.friction import presliding_state
+from pneuservo.plant.presliding import presliding_state
 
 SEEDS = (1, 2)
 SLOPE, STIFFNESS, RATE, EXCESS, SPEED = 2e-6, 80.0, -0.005, 2.0, 0.004

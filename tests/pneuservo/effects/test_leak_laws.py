@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pneuservo.effects.leakage import laminar_leak, orifice_leak, power_leak
+from pneuservo.plant.leak_laws import laminar_leak, orifice_leak, power_leak
 
 AMBIENT, TEMPERATURE, R, GAMMA = 1.013e5, 293.0, 287.0, 1.4
 AREA, CONDUCTANCE, AT_ONE_BAR, EXPONENT = 2e-9, 3e-18, 4e-7, 1.3

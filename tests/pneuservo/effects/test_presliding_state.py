@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pneuservo.effects.friction import presliding_state
+from pneuservo.plant.presliding import presliding_state
 
 TRAVEL = 1e-4
 # Steps are solved exactly: what is left is rounding, a few times per step over 100 steps.

@@ -1,0 +1,150 @@
+"""The experiments: what drives the valve for ten seconds, on which load and supply."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pneuservo.challenge.truth.control import CENTRING, PROPORTIONAL, SLIDING, STORED, Control
+from pneuservo.challenge.truth.parameters import Array
+
+DURATION = 10.0
+RATE = 1000.0
+TICK = 1e-3
+"""The valve is driven by a computer in step with the recording: the voltage holds this long [s]."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One experiment.
+
+    Parameters
+    ----------
+    kind : str
+        Its name, of `KINDS`.
+    control : Control
+        What drives the valve.
+    start : float
+        Displacement at rest at the start [m].
+    changes : mapping of str to float, optional
+        What this run adds to rig parameters, SI: a load, a supply set lower.
+    """
+
+    kind: str
+    control: Control
+    start: float
+    changes: dict[str, float] = field(default_factory=dict)
+
+
+def experiment(
+    kind: str, rng: np.random.Generator, changes: dict[str, float] | None = None
+) -> Experiment:
+    """Return an experiment with its own random set points.
+
+    Parameters
+    ----------
+    kind : str
+        A name of `KINDS`.
+    rng : Generator
+        Draws the set points.
+    changes : mapping of str to float, optional
+        What this run adds to rig parameters, SI.
+
+    Returns
+    -------
+    Experiment
+        Ten seconds.
+    """
+    control, start = KINDS[kind](rng)
+    return Experiment(kind, control, start, changes or {})
+
+
+def _times() -> Array:
+    return np.arange(round(DURATION / TICK)) * np.float64(TICK)
+
+
+def _steps(rng: np.random.Generator, hold: float) -> Array:
+    count = round(DURATION / hold)
+    levels = rng.uniform(5e-3, 25e-3, count)
+    # Far enough from the one before to be a step.
+    for index in range(1, count):
+        if abs(levels[index] - levels[index - 1]) < 3e-3:
+            levels[index] += 6e-3 if levels[index] < 15e-3 else -6e-3
+    held = levels[np.minimum((_times() / hold).astype(int), count - 1)]
+    return np.asarray(held, dtype=np.float64)
+
+
+def _control(kind: int, demand: Array, **settings: float) -> Control:
+    none = np.zeros(1)
+    return Control(kind, TICK, demand, np.zeros(len(demand)), none, none, **settings)
+
+
+def _sliding_mode(rng: np.random.Generator) -> tuple[Control, float]:
+    demand = _steps(rng, rng.choice([0.5, 1.0, 1.25]))
+    return _control(SLIDING, demand, boundary=rng.uniform(8.0, 25.0)), demand[0]
+
+
+def _relay(rng: np.random.Generator) -> tuple[Control, float]:
+    demand = _steps(rng, rng.choice([0.5, 1.0, 1.25]))
+    return _control(SLIDING, demand, boundary=0.0), demand[0]
+
+
+def _proportional(rng: np.random.Generator) -> tuple[Control, float]:
+    demand = _steps(rng, rng.choice([0.5, 1.0]))
+    return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 500.0)), demand[0]
+
+
+def _triangle(rng: np.random.Generator) -> tuple[Control, float]:
+    low, high = rng.uniform(3e-3, 7e-3), rng.uniform(21e-3, 26e-3)
+    period = rng.uniform(5.0, 10.0)
+    part = np.abs(2.0 * np.mod(_times() / period, 1.0) - 1.0)
+    demand = high - (high - low) * part
+    return _control(PROPORTIONAL, demand, gain=rng.uniform(400.0, 600.0)), demand[0]
+
+
+def _multilevel(rng: np.random.Generator) -> tuple[Control, float]:
+    levels = 5.0 * rng.uniform(0.03, 1.0, 400) ** 1.5
+    # The product of the two keeps the piston off its stops.
+    spans = np.minimum(rng.uniform(0.02, 0.25, 400), 0.12 / levels)
+    none = np.zeros(round(DURATION / TICK))
+    return Control(CENTRING, TICK, none, none, levels, spans), 15e-3
+
+
+def _staircase(rng: np.random.Generator) -> tuple[Control, float]:
+    heights = np.array([0.0, 0.2, 0.5, 1.0, 2.0, 3.0, 2.0, 1.0, 0.5, 0.2]) * 1e-2
+    stairs = np.concatenate([heights, -heights]) * 5.0 * rng.uniform(0.8, 1.3)
+    step = rng.uniform(0.1, 0.25)
+    command = stairs[(_times() / step).astype(int) % len(stairs)]
+    return _control(STORED, command), rng.uniform(10e-3, 18e-3)
+
+
+def _hold(rng: np.random.Generator) -> tuple[Control, float]:
+    time, command = _times(), np.zeros(round(DURATION / TICK))
+    start, sign = 0.5, rng.choice([-1.0, 1.0])
+    while start < DURATION:
+        length, height = rng.uniform(0.03, 0.15), rng.uniform(0.3, 1.5)
+        command[(time >= start) & (time < start + length)] = sign * height
+        start, sign = start + rng.uniform(1.0, 2.5), -sign
+    return _control(STORED, command), 15e-3
+
+
+def _stop_test(rng: np.random.Generator) -> tuple[Control, float]:
+    time, command = _times(), np.zeros(round(DURATION / TICK))
+    start, sign = 0.3, rng.choice([-1.0, 1.0])
+    while start < DURATION:
+        length, height = rng.uniform(0.25, 0.5), rng.uniform(1.5, 5.0)
+        command[(time >= start) & (time < start + length)] = sign * height
+        start, sign = start + length + rng.uniform(1.2, 2.0), -sign
+    return _control(STORED, command), 15e-3
+
+
+KINDS: dict[str, Callable[[np.random.Generator], tuple[Control, float]]] = {
+    "sliding-mode": _sliding_mode,
+    "relay": _relay,
+    "proportional": _proportional,
+    "multilevel": _multilevel,
+    "triangle": _triangle,
+    "staircase": _staircase,
+    "hold": _hold,
+    "stop-test": _stop_test,
+}

@@ -1,0 +1,283 @@
+"""How visible an effect is in some recordings, once a re-tuned baseline has hidden what it can."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pneuservo.challenge.experiments import RATE, Experiment
+from pneuservo.challenge.noise import ChannelNoise, whitened
+from pneuservo.challenge.truth import layout as at
+from pneuservo.challenge.truth.parameters import Array, Truth
+from pneuservo.challenge.truth.rig import rig_value, with_rig_values
+from pneuservo.challenge.truth.run import READINGS, Run, replay, run, start_state
+from pneuservo.rigs import Rig
+
+SEGMENT = 0.5
+"""A simulation that is compared starts afresh this often [s]: errors of flow add up in position."""
+VISIBLE, FAINT = 10.0, 4.0
+"""Distances from which an effect is visible, and from which it is faint."""
+# Where a segment starts is not known exactly either: state, and by how much it is moved [SI].
+_START_STEPS = {
+    at.POSITION: 1e-5,
+    at.SPEED: 1e-3,
+    at.PRESSURE_A: 100.0,
+    at.PRESSURE_B: 100.0,
+}
+_RELATIVE_STEP = 0.01
+_REFITS = 3
+_LARGEST_REFIT = 0.5
+
+
+def visibility_class(distance: float) -> str:
+    """Return ``visible``, ``faint`` or ``hidden``.
+
+    Parameters
+    ----------
+    distance : float
+        Norm of the projected, whitened signature [-].
+
+    Examples
+    --------
+    >>> visibility_class(12.0), visibility_class(5.0), visibility_class(1.0)
+    ('visible', 'faint', 'hidden')
+    """
+    if distance >= VISIBLE:
+        return "visible"
+    return "faint" if distance >= FAINT else "hidden"
+
+
+def nuisances(rig: Rig) -> dict[str, float]:
+    """Return the parameters that a re-tuned baseline may move, and their relative tolerances."""
+    return {
+        key: parameter.tolerance / abs(parameter.value)
+        for key, parameter in rig.parameters.items()
+        if parameter.tolerance > 0.0
+    }
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How the readings of some runs depend on the baseline's parameters.
+
+    Parameters
+    ----------
+    keys : list of str
+        The parameters.
+    tolerances : (keys,) array
+        How far each may be moved, one standard deviation, relative [-].
+    matrix : (n, keys) array
+        Whitened change of the readings per relative change, starts of segments taken out.
+    bases : list of (rows, starts) array
+        Orthonormal directions that starts of segments span, segment by segment.
+    """
+
+    keys: list[str]
+    tolerances: Array
+    matrix: Array
+    bases: list[Array]
+
+    def without_starts(self, signature: Array) -> Array:
+        """Return a whitened signature with what other starts of segments explain taken out."""
+        return _without(self.bases, signature)
+
+    def absorbing(self, signature: Array, moved: Array) -> tuple[Array, float]:
+        """Return how a re-tuned baseline moves on, and what it then leaves.
+
+        Parameters
+        ----------
+        signature : (n,) array
+            Whitened, of the baseline as it is [-].
+        moved : (keys,) array
+            Relative changes so far.
+
+        Returns
+        -------
+        change : (keys,) array
+            Further relative changes.
+        left : float
+            Norm of what is left, changes in units of their tolerance included [-].
+        """
+        rest = self.without_starts(signature)
+        matrix = np.concatenate([self.matrix, np.diag(1.0 / self.tolerances)])
+        wanted = np.concatenate([rest, -moved / self.tolerances])
+        change, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
+        return change, float(np.linalg.norm(wanted - matrix @ change))
+
+
+def perform(truth: Truth, trial: Experiment) -> Run:
+    """Return the run of an experiment on a truth.
+
+    Parameters
+    ----------
+    truth : Truth
+        The servo.
+    trial : Experiment
+        The experiment.
+
+    Returns
+    -------
+    Run
+        Ten seconds without noise.
+    """
+    ready = _set_up(truth, trial)
+    return run(ready, trial.control, start_state(ready, trial.start), RATE, SEGMENT)
+
+
+def signature(
+    baseline: Truth,
+    trials: Sequence[Experiment],
+    runs: Sequence[Run],
+    noise: Mapping[str, ChannelNoise],
+) -> Array:
+    """Return what the baseline leaves unexplained of some runs, over the noise.
+
+    Parameters
+    ----------
+    baseline : Truth
+        The truth without the effect.
+    trials, runs : sequence
+        Experiments and what came of them with the effect.
+    noise : mapping of str to ChannelNoise
+        Noise of each channel that is recorded.
+
+    Returns
+    -------
+    (n,) array
+        Channel by channel within each segment, segment by segment [-].
+    """
+    parts = []
+    for trial, made in zip(trials, runs, strict=True):
+        again = _replayed(baseline, trial, made.commands, made.states)
+        parts.append(_whitened(made.readings - again, noise))
+    return np.concatenate(parts)
+
+
+def sensitivity(
+    baseline: Truth,
+    trials: Sequence[Experiment],
+    runs: Sequence[Run],
+    noise: Mapping[str, ChannelNoise],
+    tolerances: Mapping[str, float],
+) -> Sensitivity:
+    """Return how readings along some runs depend on the baseline's parameters.
+
+    Parameters
+    ----------
+    baseline, trials, runs, noise
+        As for `signature`.
+    tolerances : mapping of str to float
+        Parameters of the rig that may be moved, and how far, relative [-].
+
+    Returns
+    -------
+    Sensitivity
+        By forward differences of a hundredth.
+    """
+    columns, bases = [], []
+    for trial, made in zip(trials, runs, strict=True):
+        base = _replayed(baseline, trial, made.commands, made.states)
+        moved = []
+        for key in tolerances:
+            value = rig_value(baseline, key) * (1.0 + _RELATIVE_STEP)
+            other = with_rig_values(baseline, {key: value})
+            again = _replayed(other, trial, made.commands, made.states)
+            moved.append(_whitened(again - base, noise) / _RELATIVE_STEP)
+        columns.append(np.stack(moved, axis=1))
+        bases += _start_bases(baseline, trial, made, base, noise)
+    matrix = np.concatenate(columns)
+    cleaned = np.stack([_without(bases, column) for column in matrix.T], axis=1)
+    return Sensitivity(list(tolerances), np.array(list(tolerances.values())), cleaned, bases)
+
+
+def distance(
+    found: Sensitivity,
+    of: Array,
+    baseline: Truth,
+    trials: Sequence[Experiment],
+    runs: Sequence[Run],
+    noise: Mapping[str, ChannelNoise],
+) -> float:
+    """Return how visible an effect is: the norm of what a re-tuned baseline leaves of it.
+
+    Parameters
+    ----------
+    found : Sensitivity
+        Along the same runs.
+    of : (n,) array
+        From `signature`.
+    baseline, trials, runs, noise
+        As for `signature`.
+
+    Returns
+    -------
+    float
+        d' of signal detection [-].
+
+    Notes
+    -----
+    Tolerances count as measurements of the parameters. Gauss-Newton steps with one Jacobian: a
+    single linear projection would count the curvature of what is absorbed as visible.
+    """
+    moved = np.zeros(len(found.keys))
+    smallest = math.inf
+    for _ in range(_REFITS + 1):
+        change, left = found.absorbing(of, moved)
+        if left >= smallest:
+            break
+        smallest = left
+        moved = np.clip(moved + change, -_LARGEST_REFIT, _LARGEST_REFIT)
+        values = {
+            key: rig_value(baseline, key) * (1.0 + part)
+            for key, part in zip(found.keys, moved.tolist(), strict=True)
+        }
+        of = signature(with_rig_values(baseline, values), trials, runs, noise)
+        if not np.all(np.isfinite(of)):
+            break
+    return smallest
+
+
+def _start_bases(
+    baseline: Truth, trial: Experiment, made: Run, base: Array, noise: Mapping[str, ChannelNoise]
+) -> list[Array]:
+    moved = []
+    for state, step in _START_STEPS.items():
+        starts = made.states.copy()
+        starts[:, state] += step
+        again = _replayed(baseline, trial, made.commands, starts)
+        moved.append(_whitened(again - base, noise) / step)
+    stacked = np.stack(moved, axis=1)
+    parts = np.split(stacked, len(made.states))
+    return [np.linalg.qr(part / np.linalg.norm(part, axis=0).clip(1e-300))[0] for part in parts]
+
+
+def _without(bases: Sequence[Array], values: Array) -> Array:
+    rest = values.copy()
+    start = 0
+    for basis in bases:
+        part = rest[start : start + len(basis)]
+        part -= basis @ (basis.T @ part)
+        start += len(basis)
+    return rest
+
+
+def _replayed(baseline: Truth, trial: Experiment, commands: Array, states: Array) -> Array:
+    ready = _set_up(baseline, trial)
+    return replay(ready, commands, trial.control.tick, states, RATE)
+
+
+def _set_up(truth: Truth, trial: Experiment) -> Truth:
+    values = {key: rig_value(truth, key) + change for key, change in trial.changes.items()}
+    return with_rig_values(truth, values)
+
+
+def _whitened(readings: Array, noise: Mapping[str, ChannelNoise]) -> Array:
+    parts = np.split(readings, round(len(readings) / (RATE * SEGMENT)))
+    return np.concatenate(
+        [
+            whitened(part[:, READINGS.index(name)], level, RATE)
+            for part in parts
+            for name, level in noise.items()
+        ]
+    )

@@ -1,0 +1,264 @@
+"""``pneuservo identify``: mass, friction and other values of a rig from recordings."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+import tomli_w
+
+from analog_card.console import Quantity, progress
+from analog_card.files import write_whole
+from pneuservo.command_line.diagnose import Window
+from pneuservo.errors import InputError
+
+METHODS = ("output-error", "least-squares", "evolution")
+_EPILOG = """\b
+Examples:
+  pneuservo simulate --controller proportional --demand "15,20,12,15 mm" --out moves.csv
+  pneuservo identify moves.csv --command continuous --json
+  pneuservo identify moves.csv --method least-squares --out out/identification
+"""
+
+
+@click.command("identify", epilog=_EPILOG)
+@click.argument("recordings", nargs=-1, required=True, metavar="REC [REC ...]")
+@click.option(
+    "--method",
+    type=click.Choice(METHODS),
+    help="How.  [default: output-error; least-squares for a seal tester]",
+)
+@click.option(
+    "--parameter",
+    "parameters",
+    multiple=True,
+    metavar="ID",
+    help="What to look for; may be given again.  [default: mass, viscous and Coulomb friction]",
+)
+@click.option(
+    "--direction",
+    type=click.Choice(["both", "extending", "retracting"]),
+    default="both",
+    show_default=True,
+    help="Motion that least squares uses.",
+)
+@click.option("--cutoff", type=Quantity("Hz", 0.0), help="Of its filter.  [default: 50 Hz]")
+@click.option("--dead-band", type=Quantity("m/s", 0.0), help="Of velocity.  [default: 5 mm/s]")
+@click.option("--segment", type=Quantity("s", 0.0), help="Length simulated at once.")
+@click.option(
+    "--command",
+    "driven",
+    type=click.Choice(["held", "continuous"]),
+    default="held",
+    show_default=True,
+    help="What the valve voltage does between samples: a converter holds it, a card does not.",
+)
+@click.option("--rig", help="Rig name or rig file, in place of the one the recordings name.")
+@click.option("--window", type=Window(), help="Use only this stretch of the recordings [s].")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the evolution.")
+@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("out/identification"),
+    show_default=True,
+    help="Folder for the answer.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print identification.json, nothing else.")
+def command(
+    recordings: tuple[str, ...],
+    method: str | None,
+    window: tuple[float, float] | None,
+    rig: str | None,
+    out: Path,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Identify values of a rig from recordings of its motion.
+
+    Of the single axis mass and friction, or any other parameter; of a seal tester the friction of
+    the seal.
+
+    Writes identification.json, rig.toml (the rig with the values found, which other commands
+    accept as --rig) and fit.svg. Exit status 3 when a fit failed.
+    """
+    from pneuservo.recordings import read_recording
+    from pneuservo.rigs import load_rig
+
+    with progress() as step:
+        step("reading the recordings")
+        used = []
+        for path in recordings:
+            recording = read_recording(path, rig)
+            for message in recording.warnings:
+                click.echo(f"Warning: {path}: {message}", err=True)
+            used.append(recording if window is None else recording.slice(*window))
+        step("identifying")
+        kind = load_rig(rig or used[0].rig).kind
+        found, each = _identified(kind, method, used, rig, options)
+        step("writing")
+        answer = _document(found, each, kind)
+        _write(found, answer, out)
+    if as_json:
+        click.echo(json.dumps(answer, indent=2))
+    else:
+        _print(answer, out)
+
+
+def _identified(
+    kind: str,
+    method: str | None,
+    recordings: list[Any],
+    rig: str | None,
+    options: dict[str, Any],
+) -> tuple[Any, dict[tuple[str, str], Any]]:
+    from pneuservo import identification
+
+    if kind == "seal-tester":
+        if method not in (None, "least-squares") or options["parameters"]:
+            raise InputError(
+                "a seal tester's friction is found by least squares alone; leave out --method and "
+                "--parameter"
+            )
+        return identification.identify_seal_friction(recordings, rig), {}
+    method = method or METHODS[0]
+    if method == "least-squares":
+        return _by_least_squares(recordings, rig, options)
+    parameters = options["parameters"] or identification.PARAMETERS
+    segment: dict[str, Any] = {"continuous": options["driven"] == "continuous"}
+    if options["segment"] is not None:
+        segment["segment"] = options["segment"]
+    if method == "output-error":
+        return identification.identify_output_error(recordings, rig, parameters, **segment), {}
+    found = identification.identify_evolution(
+        recordings, rig, parameters, seed=options["seed"], jobs=options["jobs"], **segment
+    )
+    return found, {}
+
+
+def _by_least_squares(
+    recordings: list[Any], rig: str | None, options: dict[str, Any]
+) -> tuple[Any, dict[tuple[str, str], Any]]:
+    from pneuservo import identification
+
+    if options["parameters"]:
+        raise InputError(
+            f"--parameter: least squares finds {', '.join(identification.PARAMETERS)} and nothing "
+            "else; use --method output-error for other parameters"
+        )
+    shape = {name: options[name] for name in ("cutoff", "dead_band") if options[name] is not None}
+    found = identification.identify_least_squares(
+        recordings, rig, direction=options["direction"], **shape
+    )
+    each = {}
+    if options["direction"] == "both":
+        try:
+            each = identification.identify_each(recordings, rig, **shape)
+        except InputError as problem:
+            click.echo(f"Warning: no values by direction: {problem}", err=True)
+    return found, each
+
+
+def _values(found: Any) -> dict[str, Any]:
+    return {
+        name: {
+            "value": entry.value,
+            "low": _number(entry.low),
+            "high": _number(entry.high),
+            "unit": entry.unit,
+        }
+        for name, entry in found.values.items()
+    }
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _document(found: Any, each: dict[tuple[str, str], Any], kind: str) -> dict[str, Any]:
+    names = list(found.values)
+    return {
+        "schema": 1,
+        "rig": kind,
+        "method": found.method,
+        "values": _values(found),
+        "correlations": [
+            {"between": [names[j], names[i]], "value": _number(float(found.correlation[i, j]))}
+            for i in range(len(names))
+            for j in range(i)
+        ],
+        "residuals": {
+            name: {
+                "rms": found.rms(name),
+                "white": judged.white,
+                "probability": judged.probability,
+                "statement": judged.sentence(),
+            }
+            for name, judged in found.whiteness.items()
+        },
+        "cannot_tell_apart": found.cannot_tell_apart(),
+        "notes": list(found.notes),
+        "each": [
+            {"recording": name, "direction": direction, "values": _values(entry)}
+            for (name, direction), entry in each.items()
+        ],
+    }
+
+
+def _write(found: Any, answer: dict[str, Any], out: Path) -> None:
+    from pneuservo.identification.pictures import draw_autocorrelation, draw_fit
+    from pneuservo.report.svg import draw
+
+    def paint(axes: list[Any]) -> None:
+        for ax, channel in zip(axes, found.residual, strict=False):
+            draw_fit(ax, found, channel)
+        draw_autocorrelation(axes[len(found.residual)], found)
+
+    count = len(found.residual) + 1
+    picture = draw(paint, size=(9.0, 2.6 * count), shape=(count, 1))
+    write_whole(out / "identification.json", json.dumps(answer, indent=2) + "\n")
+    write_whole(out / "rig.toml", tomli_w.dumps(_rig(answer)))
+    write_whole(out / "fit.svg", picture)
+
+
+def _rig(answer: dict[str, Any]) -> dict[str, Any]:
+    from pneuservo.rigs import load_rig
+
+    parameters: dict[str, Any] = {}
+    effects: dict[str, Any] = {}
+    source = f"pneuservo identify, {answer['method']}"
+    known = load_rig(answer["rig"]).parameters
+    for name, entry in answer["values"].items():
+        if ":" in name:
+            effect, _, parameter = name.partition(":")
+            effects.setdefault(effect, {})[parameter] = entry["value"]
+            continue
+        # The rig of a seal tester has no viscous friction of its own.
+        if name in known:
+            parameters[name] = {"value": entry["value"], "unit": entry["unit"], "source": source}
+    document: dict[str, Any] = {"rig": {"kind": answer["rig"]}, "parameters": parameters}
+    return {**document, "effects": effects} if effects else document
+
+
+def _print(answer: dict[str, Any], out: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    table = Table("parameter", "value", "95 % interval", "unit")
+    for name, entry in answer["values"].items():
+        interval = "none" if entry["low"] is None else f"{entry['low']:.5g} to {entry['high']:.5g}"
+        table.add_row(name, f"{entry['value']:.5g}", interval, entry["unit"])
+    console.print(table)
+    if answer["each"]:
+        names = list(answer["values"])
+        parts = Table("recording", "direction", *names)
+        for entry in answer["each"]:
+            values = [f"{entry['values'][name]['value']:.5g}" for name in names]
+            parts.add_row(entry["recording"], entry["direction"], *values)
+        console.print(parts)
+    for name, residual in answer["residuals"].items():
+        console.print(f"residual of {name}: {residual['statement']}", soft_wrap=True)
+    for sentence in (*answer["cannot_tell_apart"], *answer["notes"], f"written: {out}"):
+        console.print(sentence, soft_wrap=True, markup=False)

@@ -1,0 +1,125 @@
+"""``pneuservo thesis``: recompute the thesis' tables and stated results, and write the page."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from analog_card.console import progress
+from analog_card.files import write_whole
+from pneuservo.errors import InputError
+
+PAGE, PICTURES = "reproduction.md", "reproduction"
+
+EXAMPLES = """\b
+Examples:
+  pneuservo thesis
+  pneuservo thesis --chapter 8 --no-page
+  pneuservo thesis --json > rows.json
+"""
+
+
+@click.command("thesis", epilog=EXAMPLES)
+@click.option(
+    "--chapter",
+    "chapters",
+    type=int,
+    multiple=True,
+    help="Only this chapter; may be given again.  [default: all, 4 to 9]",
+)
+@click.option(
+    "--out",
+    metavar="FOLDER",
+    default="docs",
+    show_default=True,
+    help=f"Folder for {PAGE} and, below it, {PICTURES}/ with the pictures.",
+)
+@click.option("--page/--no-page", default=True, help="Write the page and its pictures, or neither.")
+@click.option(
+    "--rig",
+    help="A rig for the non-linear simulations of chapter 8 as printed.  [default: single-axis]",
+)
+@click.option(
+    "--jobs",
+    type=click.IntRange(1, 64),
+    default=1,
+    show_default=True,
+    help="Chapters recomputed at the same time.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the results as JSON, nothing else.")
+def command(
+    chapters: tuple[int, ...],
+    out: str,
+    page: bool,
+    rig: str | None,
+    jobs: int,
+    as_json: bool,
+) -> None:
+    """Recompute every table and stated result of the thesis that the package covers.
+
+    Thesis value, ours with the printed and with the reconciled parameters, and a verdict.
+    """
+    from pneuservo.simulation.inputs import require_kind
+    from pneuservo.thesis.chapters import CHAPTERS, recompute
+    from pneuservo.thesis.page import to_dict, write_reproduction
+
+    used = require_kind(rig, "single-axis") if rig is not None else None
+    target = Path(out) / PAGE
+    folder = _picture_folder(Path(out)) if page else None
+    numbers = chapters or CHAPTERS
+    with progress(len(set(numbers))) as step:
+        found = recompute(numbers, folder, used, jobs, step)
+    if page:
+        write_whole(target, write_reproduction(found, target))
+    report = to_dict(found)
+    if as_json:
+        click.echo(json.dumps(report, indent=2))
+    else:
+        _print(found, str(target) if page else None)
+
+
+def _picture_folder(out: Path) -> Path:
+    folder = out / PICTURES
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise InputError(
+            f"--out {out}: cannot be written: {problem.strerror}; choose another folder"
+        ) from problem
+    return folder
+
+
+def _print(chapters: list[Any], written: str | None) -> None:
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    from pneuservo.thesis.page import VERDICTS, counts, percent, shown
+
+    console = Console(highlight=False)
+    off = Table(
+        Column("not reproduced", overflow="fold"), "thesis", "printed", "reconciled", "verdict"
+    )
+    for chapter in chapters:
+        for row in chapter.rows:
+            if row.verdict == VERDICTS[0]:
+                continue
+            ours = [
+                f"{shown(value)} {percent(difference)}".strip()
+                for value, difference in (
+                    (row.printed, row.printed_difference),
+                    (row.reconciled, row.reconciled_difference),
+                )
+            ]
+            off.add_row(row.id, f"{shown(row.stated)} {row.unit}".strip(), *ours, row.verdict)
+    if off.row_count:
+        console.print(off)
+    table = Table("chapter", *VERDICTS)
+    for chapter in chapters:
+        found = counts(chapter.rows)
+        table.add_row(
+            f"{chapter.number}: {chapter.title}", *[str(found[verdict]) for verdict in VERDICTS]
+        )
+    console.print(table)
+    if written:
+        console.print(f"written: {written}", soft_wrap=True, markup=False)

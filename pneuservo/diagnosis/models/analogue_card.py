@@ -1,0 +1,276 @@
+"""The analogue card as four stages, each followed from what was measured ahead of it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.diagnosis.models.card_feed import EDGE, CardFeed, card_feed, spectrum
+from pneuservo.diagnosis.models.card_stages import (
+    DIFFERENTIATORS,
+    SENSITIVITY,
+    differentiator,
+    differentiator_response,
+    inside_layer,
+    layer_gain,
+    output,
+    surface,
+)
+from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording
+from pneuservo.rigs import Rig
+
+_STAGES = {
+    "card_velocity": ("card_sensor",),
+    "card_acceleration": ("card_velocity",),
+    "card_surface": ("demand", "card_sensor", "card_velocity", "card_acceleration"),
+    "card_output": ("card_surface",),
+}
+"""What each judged channel is fed with."""
+_EVERYWHERE = ("card.opamp-slew", "card.opamp-bandwidth", "card.offset", "card.supply-sag")
+_HEEDED = {
+    "card_velocity": (
+        "card.differentiator-gain-1",
+        "card.differentiator-rolloff-1",
+        "card.capacitor-leak",
+        "card.intermediate-clipping",
+    ),
+    "card_acceleration": (
+        "card.differentiator-gain-2",
+        "card.differentiator-rolloff-2",
+        "card.capacitor-leak",
+        "card.intermediate-clipping",
+    ),
+    "card_surface": (SENSITIVITY, "card.weight-loading", "card.ground-hum"),
+    "card_output": (
+        "card.boundary-slope",
+        "card.rail-asymmetry",
+        "card.switch-hysteresis",
+        "card.output-load",
+    ),
+}
+"""Effects and rig parameters that a stage has, beside those that all have."""
+_KEPT = 6
+"""Results kept per stage."""
+_NEAR_LIMIT = 0.8
+"""Share of the swing from which on an op-amp's own limit can be told."""
+
+
+class AnalogueCardModel(Model):
+    """Every tap of the card from the taps ahead of it.
+
+    Notes
+    -----
+    A stage's figures are known within the tolerances of its parts, and its op-amp's offset within
+    the data sheet: each stage has these errors as unknowns of its own, which end at the tolerance.
+    What a stage is fed with carries noise, which a differentiator magnifies: both sides are
+    whitened by what the noises of its input and output make of its nominal response.
+    """
+
+    kind: ClassVar[str] = "analogue-card"
+    channel: ClassVar[str] = "card_output"
+    unit: ClassVar[str] = "V"
+    block: ClassVar[str] = "card.surface"
+    required: ClassVar[tuple[str, ...]] = ("card_sensor",)
+
+    def require_channels(self, recording: Recording) -> None:
+        """Refuse a recording that holds no stage whole, input and output."""
+        super().require_channels(recording)
+        if not _whole_stages(recording):
+            wanted = "; ".join(f"{tap} with {', '.join(ins)}" for tap, ins in _STAGES.items())
+            raise InputError(
+                f"{recording.source or recording.name}: rig {self.kind!r} needs the output of at "
+                f"least one stage together with its inputs ({wanted}); the recording has "
+                f"{', '.join(recording.channels)}. Map the missing ones in the sidecar's [channels]"
+            )
+
+    def cases(self, recording: Recording, rig: Rig) -> list[Case]:
+        """Return the recording once per stage that was recorded whole, in units of its noise."""
+        feed = card_feed(recording)
+        found = []
+        for channel in _whole_stages(recording):
+            inputs = {"feed": feed, "weight": _weight(channel, feed), "done": {}}
+            if channel in DIFFERENTIATORS:
+                inputs["transform"] = spectrum(feed.signals[DIFFERENTIATORS[channel][1]])
+            case = Case(
+                recording,
+                recording[channel],
+                inputs,
+                1.0,
+                rig,
+                ~feed.unusable(channel, *_STAGES[channel]),
+                channel,
+                "V",
+                feed.noise[channel],
+            )
+            found.append(replace(case, measured=_weighed(case, feed.signals[channel])))
+        return found
+
+    def fitted(self, case: Case) -> tuple[str, ...]:
+        """Return the transducer's sensitivity, which turns the demand into a voltage."""
+        return (SENSITIVITY,)
+
+    def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
+        """Return the errors of a stage that its parts' tolerances allow."""
+        feed: CardFeed = case.inputs["feed"]
+        figures, found = feed.nominal.figures, [_tolerated("amplifier_error", 0.5, 1.0)]
+        if case.channel in DIFFERENTIATORS:
+            found += [
+                _tolerated("gain_error", 0.03, 0.06),
+                _tolerated("lag_error", 0.035, 0.07),
+                _tolerated("offset", 0.007, 0.02, "V"),
+            ]
+        elif case.channel == "card_surface":
+            weights = {
+                "displacement": figures.weight_displacement,
+                "velocity": figures.weight_velocity,
+                "acceleration": figures.weight_acceleration,
+            }
+            spread = 6.5e-3 * (1.0 + sum(weights.values()))
+            found += [_tolerated(f"{state}_error", 0.015, 0.04) for state in weights]
+            found.append(_tolerated("offset", spread, 3.0 * spread, "V"))
+        else:
+            found += [
+                _tolerated("gain_error", 0.06, 0.18),
+                _tolerated("offset", 0.006, 0.018, "V"),
+                _tolerated("level_error", 0.03, 0.06),
+                _tolerated("asymmetry", 0.004, 0.012),
+                Unknown("softness", 1.0, 0.0, 1.6, 0.5),
+            ]
+            return found
+        limit = _NEAR_LIMIT * figures.surface_limit
+        signal = feed.signals[case.channel]
+        for name, most in (("upper_error", signal.max()), ("lower_error", -signal.min())):
+            if most > limit:
+                found.append(Unknown(name, 0.0, -0.7, 2.2, 1.0, "V"))
+        return found
+
+    def predict(self, case: Case, values: Values) -> Array:
+        """Return the judged tap as its inputs, recorded, should make it [units of its noise]."""
+        heeded = (*_EVERYWHERE, *_HEEDED[case.channel])
+        key = tuple(
+            sorted((k, v) for k, v in values.items() if "." not in k or k.startswith(heeded))
+        )
+        done: dict[object, Array] = case.inputs["done"]
+        if key not in done:
+            while len(done) >= _KEPT:
+                done.pop(next(iter(done)))
+            done[key] = _weighed(case, _stage(case, values))
+        return done[key]
+
+    def suspects(
+        self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
+    ) -> dict[str, float]:
+        """Return the stages whose taps are wrong."""
+        shares: dict[str, float] = {}
+        for case, left, level in zip(cases, residuals, noise, strict=True):
+            excess = np.clip(left**2 - level**2, 0.0, None)
+            if float(np.sum(left**2)) <= len(left) * level**2:
+                continue
+            if case.channel == "card_output":
+                inside = inside_layer(case.inputs["feed"])[case.usable]
+                parts = {
+                    "card.boundary-layer": float(np.sum(excess[inside])),
+                    "card.relay": float(np.sum(excess[~inside])),
+                }
+            elif case.channel == "card_surface":
+                parts = {"card.surface": float(np.sum(excess))}
+            else:
+                parts = {"card.differentiator": float(np.sum(excess))}
+            for block, part in parts.items():
+                shares[block] = shares.get(block, 0.0) + part
+        total = sum(shares.values())
+        if total <= 0.0:
+            return {self.block: 1.0}
+        return {block: share / total for block, share in shares.items()}
+
+    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+        """Return parts of the recording by the size of taps and output, and by time."""
+        feed: CardFeed = case.inputs["feed"]
+        signals, figures = feed.signals, feed.nominal.figures
+        elapsed = np.arange(feed.size)
+        found = {"in the last third of the recording": elapsed > 2 * feed.size // 3}
+        if "demand" in signals:
+            jumps = np.abs(np.diff(signals["demand"], prepend=signals["demand"][:1])) > 1e-4
+            after = np.convolve(jumps, np.ones(EDGE))[: len(jumps)] > 0.5
+            found["just after a jump of the demand"] = after
+        limit = _NEAR_LIMIT * figures.surface_limit
+        for channel, phrase in (
+            ("card_velocity", "the velocity tap"),
+            ("card_acceleration", "the acceleration tap"),
+            ("card_surface", "the surface"),
+        ):
+            if channel in signals:
+                found[f"with {phrase} near the swing of its op-amp"] = (
+                    np.abs(signals[channel]) > limit
+                )
+        if "card_surface" in signals and "card_output" in signals:
+            inside = inside_layer(feed)
+            found["inside the boundary layer"] = inside
+            found["with the output at its upper level"] = ~inside & (signals["card_surface"] > 0.0)
+            found["with the output at its lower level"] = ~inside & (signals["card_surface"] < 0.0)
+        return found
+
+    def regressors(self, case: Case) -> dict[str, Array]:
+        """Return the recorded taps and time."""
+        feed: CardFeed = case.inputs["feed"]
+        named = {name.replace("_", " "): signal for name, signal in feed.signals.items()}
+        return {**named, "time": case.recording.time}
+
+
+def _tolerated(name: str, sigma: float, most: float, unit: str = "") -> Unknown:
+    return Unknown(name, 0.0, -most, most, sigma, unit)
+
+
+def _whole_stages(recording: Recording) -> list[str]:
+    return [
+        channel
+        for channel, inputs in _STAGES.items()
+        if all(name in recording for name in (channel, *inputs))
+    ]
+
+
+def _stage(case: Case, values: Values) -> Array:
+    feed: CardFeed = case.inputs["feed"]
+    if case.channel in DIFFERENTIATORS:
+        return differentiator(case.channel, case.inputs["transform"], values, feed)
+    return surface(values, feed) if case.channel == "card_surface" else output(values, feed)
+
+
+def _weight(channel: str, feed: CardFeed) -> Array:
+    """Return what a stage's misfit is multiplied with, per frequency or per sample [1/V].
+
+    The noises of its inputs, as the nominal stage passes them on, and of its output make up what
+    a perfect model leaves; weighed it is white and of size one.
+    """
+    noise, figures = feed.noise, feed.nominal.figures
+    if channel in DIFFERENTIATORS:
+        source = DIFFERENTIATORS[channel][1]
+        frequency = np.pi * np.arange(feed.size - 2 * EDGE) / (feed.size - 2 * EDGE) / feed.interval
+        passed = np.abs(differentiator_response(channel, {}, feed, frequency)) * noise[source]
+    elif channel == "card_surface":
+        passed = np.sqrt(
+            (figures.weight_displacement * noise["card_sensor"]) ** 2
+            + (figures.weight_velocity * noise["card_velocity"]) ** 2
+            + (figures.weight_acceleration * noise["card_acceleration"]) ** 2
+        )
+    else:
+        passed = layer_gain(feed) * noise["card_surface"] * inside_layer(feed)
+    weight: Array = 1.0 / np.hypot(noise[channel], passed)
+    return weight
+
+
+def _weighed(case: Case, signal: Array) -> Array:
+    from scipy.fft import dct, idct
+
+    weight = case.inputs["weight"]
+    if case.channel not in DIFFERENTIATORS:
+        weighed: Array = signal * weight
+        return weighed
+    # The ends, where the past or future of the stage is not known, would spread: they are cut
+    # first. What is beyond is taken as the mirror image, which shifts no level.
+    inner = dct(signal[EDGE:-EDGE], norm="ortho")
+    return np.pad(idct(weight * inner, norm="ortho"), EDGE)

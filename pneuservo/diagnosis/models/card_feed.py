@@ -1,0 +1,186 @@
+"""A recording of the card's taps, as its stages are fed with it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analog_card.behaviour import CardBehaviour, card_stages
+from analog_card.behaviour_limiter import inputs as limiter_inputs
+from analog_card.design_file import load_design
+from analog_card.errors import InputError as CardInputError
+from analog_card.figures import CardFigures, card_figures
+from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording
+
+Array = NDArray[np.float64]
+
+CHANNELS = (
+    "card_sensor",
+    "demand",
+    "card_velocity",
+    "card_acceleration",
+    "card_surface",
+    "card_output",
+)
+EDGE = 20
+"""Samples at either end, and round a missing one, whose past or future was not recorded."""
+_EXTENSION = 512
+"""Samples at most by which a recording is continued, so that it can be taken as periodic."""
+
+
+@dataclass(frozen=True)
+class CardNominal:
+    """What a card is taken to be.
+
+    Parameters
+    ----------
+    figures : CardFigures
+        Gains, filters and limits.
+    amplifier_time : float
+        1/(2 pi gain-bandwidth product) of its op-amps [s].
+    share : float
+        Output for each volt of the op-amp ahead of the limiter [V/V].
+    overdrive, limited : (n,) array
+        The limiter's curve: what it is asked for and what it gives, over the level [-].
+    """
+
+    figures: CardFigures
+    amplifier_time: float
+    share: float
+    overdrive: Array
+    limited: Array
+
+
+@dataclass
+class CardFeed:
+    """One recording of the taps.
+
+    Parameters
+    ----------
+    interval : float
+        Sampling interval [s].
+    signals : dict of str to (n,) array
+        Recorded channels without gaps, by canonical name; the demand as it was recorded [m].
+    missing : dict of str to (n,) array of bool
+        Samples of each that were not recorded.
+    noise : dict of str to float
+        Noise of each [V].
+    nominal : CardNominal
+        The card.
+    """
+
+    interval: float
+    signals: dict[str, Array]
+    missing: dict[str, NDArray[np.bool_]]
+    noise: dict[str, float]
+    nominal: CardNominal
+
+    @property
+    def size(self) -> int:
+        """Return the number of samples."""
+        return len(self.signals["card_sensor"])
+
+    def frequency(self, size: int) -> Array:
+        """Return the angular frequencies of the `spectrum` of so many samples [1/s]."""
+        return 2.0 * np.pi * np.fft.rfftfreq(_extended_size(size), self.interval)
+
+    def unusable(self, *channels: str) -> NDArray[np.bool_]:
+        """Return the samples that some channels cannot be judged at or fed from."""
+        bad = np.zeros(self.size, dtype=bool)
+        for channel in channels:
+            bad |= self.missing[channel]
+        spread = np.convolve(bad, np.ones(2 * EDGE + 1), mode="same") > 0.5
+        spread[:EDGE] = spread[-EDGE:] = True
+        return spread
+
+
+def card_feed(recording: Recording) -> CardFeed:
+    """Return a recording of the taps as the stages are fed with it.
+
+    Parameters
+    ----------
+    recording : Recording
+        With at least the transducer input; its table ``[card]`` says which card it is.
+
+    Raises
+    ------
+    InputError
+        When its samples are not evenly spaced, or its design file cannot be used.
+    """
+    time = recording.time
+    steps = np.diff(time)
+    interval = float(np.median(steps))
+    uneven = np.flatnonzero(np.abs(steps - interval) > 0.2 * interval)
+    if len(uneven):
+        raise InputError(
+            f"{recording.source or recording.name}: rig 'analogue-card' needs evenly spaced "
+            f"samples; at {time[uneven[0]]:.6g} s the step is {steps[uneven[0]]:.4g} s against "
+            f"{interval:.4g} s elsewhere. Cut the recording there or resample it"
+        )
+    signals, missing, noise = {}, {}, {}
+    for channel in CHANNELS:
+        if channel not in recording:
+            continue
+        samples = recording[channel]
+        good = np.isfinite(samples)
+        missing[channel] = ~good
+        signals[channel] = np.interp(time, time[good], samples[good])
+        stated = recording.noise_rms.get(channel)
+        noise[channel] = stated or noise_floor(samples, time)
+    return CardFeed(interval, signals, missing, noise, card_nominal(recording))
+
+
+def card_nominal(recording: Recording) -> CardNominal:
+    """Return the card that a recording was taken on: its design file, or its nominal figures.
+
+    Figures that are not given, the type of op-amp among them, are those of the default design.
+    """
+    table = recording.card
+    try:
+        design = load_design(table["design"]) if "design" in table else load_design()
+    except CardInputError as problem:
+        raise InputError(str(problem)) from problem
+    figures = card_figures(design)
+    stages = card_stages(CardBehaviour(design))
+    share = stages.limiter.division * stages.limiter.fraction
+    ahead = np.clip(limiter_inputs(), *stages.comparator_swing)
+    wanted = limiter_inputs()
+    limited = np.interp(ahead, wanted, stages.limiter.clamped) * stages.limiter.fraction
+    nominal = CardNominal(
+        figures,
+        1.0 / (2.0 * np.pi * design.soldered.operational_amplifier.gain_bandwidth),
+        share,
+        wanted * share / figures.level,
+        limited / figures.level,
+    )
+    given = {key: float(value) for key, value in table.items() if key != "design"}
+    if not given:
+        return nominal
+    if "break_frequency" in given:
+        both = (given.pop("break_frequency"),) * 2
+        figures = replace(figures, velocity_breaks=both, acceleration_breaks=both)
+    return replace(nominal, figures=replace(figures, **given), share=1.0)
+
+
+def spectrum(signal: Array) -> Array:
+    """Return the Fourier transform of a signal that is continued smoothly into its own start."""
+    size, n = _extended_size(len(signal)), len(signal)
+    extra = size - n
+    falling = 0.5 * (1.0 + np.cos(np.pi * (np.arange(extra) + 1.0) / (extra + 1.0)))
+    after = 2.0 * signal[-1] - signal[-2 : -extra - 2 : -1]
+    before = 2.0 * signal[0] - signal[extra:0:-1]
+    return np.fft.rfft(np.concatenate([signal, after * falling + before * (1.0 - falling)]))
+
+
+def signal_of(transform: Array, size: int) -> Array:
+    """Return the signal behind a transform of `spectrum`."""
+    whole: Array = np.fft.irfft(transform, _extended_size(size))
+    return whole[:size]
+
+
+def _extended_size(size: int) -> int:
+    from scipy.fft import next_fast_len
+
+    return int(next_fast_len(size + min(_EXTENSION, size // 2), real=True))

@@ -1,0 +1,120 @@
+"""The motion behind a noisy displacement: what the blocks beside the piston are fed with."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.plant.compilation import compiled
+
+Array = NDArray[np.float64]
+
+FORCE_CHANGE = 1.0
+"""Acceleration by which an unmodelled force, friction above all, may jump [m/s^2] ..."""
+FORCE_CHANGE_TIME = 5e-3
+"""... within this time [s]."""
+ACCELERATION_CHANGE = 20.0
+"""The same where no pressures tell the acceleration [m/s^2]."""
+
+
+def smooth_motion(
+    time: Array, displacement: Array, noise_rms: float, driving: Array | None, driving_rms: float
+) -> tuple[Array, Array, Array, float]:
+    """Return displacement, velocity and acceleration without the displacement's noise.
+
+    Parameters
+    ----------
+    time : (n,) array
+        Strictly increasing [s].
+    displacement : (n,) array
+        As measured; NaN where there is none [m].
+    noise_rms : float
+        Its noise [m].
+    driving : (n,) array or None
+        Acceleration that the measured pressures would give without friction [m/s^2].
+    driving_rms : float
+        Noise of that acceleration [m/s^2].
+
+    Returns
+    -------
+    displacement, velocity, acceleration : (n,) array
+        [m], [m/s], [m/s^2].
+    velocity_rms : float
+        How well the velocity is known [m/s].
+
+    Notes
+    -----
+    Kalman filter and Rauch-Tung-Striebel smoother (Rauch, Tung and Striebel 1965) for
+    acceleration = driving + disturbance, the disturbance a random walk that takes up friction,
+    gravity and a wrong mass. The pressures carry the fast part of the acceleration, so that no
+    cut-off has to be chosen.
+    """
+    change = FORCE_CHANGE if driving is not None else ACCELERATION_CHANGE
+    wander = change**2 / FORCE_CHANGE_TIME
+    known = np.zeros_like(time) if driving is None else driving
+    start = float(displacement[np.isfinite(displacement)][0])
+    states, variance = _smooth(
+        time, displacement - start, max(noise_rms, 1e-9) ** 2, known, driving_rms**2, wander
+    )
+    known_to = float(np.sqrt(np.median(variance)))
+    return states[:, 0] + start, states[:, 1], states[:, 2] + known, known_to
+
+
+@compiled
+def _transition(interval):
+    step = np.eye(3)
+    step[0, 1] = step[1, 2] = interval
+    step[0, 2] = 0.5 * interval**2
+    return step
+
+
+@compiled
+def _smooth(time, measured, variance, driving, driving_variance, wander):
+    n = time.shape[0]
+    predicted, filtered = np.zeros((n, 3)), np.zeros((n, 3))
+    spread_predicted, spread_filtered = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+    state = np.zeros(3)
+    spread = np.diag(np.array([1e-4, 1.0, 1e4]))
+    for k in range(n):
+        if k:
+            h = time[k] - time[k - 1]
+            step = _transition(h)
+            mean = 0.5 * (driving[k] + driving[k - 1])
+            state = step @ state
+            state[0] += 0.5 * h * h * mean
+            state[1] += h * mean
+            spread = step @ spread @ step.T
+            push = np.array([0.5 * h * h, h, 0.0])
+            for i in range(3):
+                for j in range(3):
+                    spread[i, j] += driving_variance * push[i] * push[j]
+            walk = np.array([h**2.5 / 20.0**0.5, h**1.5 / 3.0**0.5, h**0.5])
+            # The exact covariance of an integrated random walk.
+            spread[0, 0] += wander * walk[0] ** 2
+            spread[0, 1] += wander * h**4 / 8.0
+            spread[1, 0] += wander * h**4 / 8.0
+            spread[0, 2] += wander * h**3 / 6.0
+            spread[2, 0] += wander * h**3 / 6.0
+            spread[1, 1] += wander * walk[1] ** 2
+            spread[1, 2] += wander * h**2 / 2.0
+            spread[2, 1] += wander * h**2 / 2.0
+            spread[2, 2] += wander * walk[2] ** 2
+        predicted[k] = state
+        spread_predicted[k] = spread
+        if measured[k] == measured[k]:
+            gain = spread[:, 0] / (spread[0, 0] + variance)
+            state = state + gain * (measured[k] - state[0])
+            row = spread[0].copy()
+            for i in range(3):
+                for j in range(3):
+                    spread[i, j] -= gain[i] * row[j]
+        filtered[k] = state
+        spread_filtered[k] = spread
+    variance = np.empty(n)
+    variance[n - 1] = spread_filtered[n - 1, 1, 1]
+    for k in range(n - 2, -1, -1):
+        step = _transition(time[k + 1] - time[k])
+        back = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
+        filtered[k] = filtered[k] + back @ (filtered[k + 1] - predicted[k + 1])
+        gained = back @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ back.T
+        spread_filtered[k] = spread_filtered[k] + gained
+        variance[k] = spread_filtered[k, 1, 1]
+    return filtered, variance

@@ -1,0 +1,80 @@
+"""Sensitivities that are kept from a similar fit, so that only new unknowns cost simulations."""
+
+from typing import Protocol
+
+import numpy as np
+
+from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.problem import Problem
+
+_STEP = 1e-4
+"""Step of a difference, in units of the unknown's typical size."""
+
+
+class Known(Protocol):
+    """A fit whose sensitivities are kept."""
+
+    @property
+    def keys(self) -> list[str]:
+        """Name of each column."""
+
+    @property
+    def sensitivity(self) -> Array:
+        """Columns of weighted residuals and distances."""
+
+    def row_scale(self) -> Array:
+        """Return what each residual counts as one."""
+
+
+class SteadySensitivity:
+    """The Jacobian of a problem, most of whose columns are worked out once or known already.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted; it has no unknowns of single recordings.
+    known : Fit or None
+        A fit of the same recordings with fewer unknowns.
+
+    Notes
+    -----
+    A chord method: what the rig's parameters do hardly changes with their values, so those
+    columns stay; only the columns of an effect that `known` lacks are worked out at each step.
+    """
+
+    def __init__(self, problem: Problem, known: Known | None):
+        self._problem = problem
+        rows = sum(int(np.count_nonzero(case.usable)) for case in problem.cases)
+        self._matrix = np.zeros((rows + len(problem.tolerated), len(problem.unknowns)))
+        place = {} if known is None else {key: i for i, key in enumerate(known.keys)}
+        missing = [i for i, u in enumerate(problem.unknowns) if u.key not in place]
+        # Without a fit to start from the first call fills everything.
+        self._once, self._each = (missing, []) if known is None else ([], missing)
+        if known is not None:
+            new_scale = np.concatenate(
+                [
+                    np.full(int(np.count_nonzero(case.usable)), problem.scale[case.channel])
+                    for case in problem.cases
+                ]
+            )
+            factor = known.row_scale() / new_scale
+            for column, unknown in enumerate(problem.unknowns):
+                if unknown.key in place:
+                    old = known.sensitivity[:rows, place[unknown.key]]
+                    self._matrix[:rows, column] = old * factor
+        for row, column in enumerate(problem.tolerated):
+            self._matrix[rows + row, column] = problem.units[column] / problem.sigma[row]
+
+    def __call__(self, vector: Array) -> Array:
+        """Return the Jacobian at a vector of unknowns."""
+        columns = [*self._once, *self._each]
+        self._once = []
+        if columns:
+            here = self._problem.cost_vector(vector)
+            _, high = self._problem.bounds
+            for column in columns:
+                moved = vector.copy()
+                step = _STEP if moved[column] + _STEP <= high[column] else -_STEP
+                moved[column] += step
+                self._matrix[:, column] = (self._problem.cost_vector(moved) - here) / step
+        return self._matrix.copy()

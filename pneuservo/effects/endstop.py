@@ -1,0 +1,41 @@
+"""What happens at the ends of the stroke."""
+
+from pneuservo.effects.effect import Effect, EffectParameter
+
+_RIGS = ("single-axis",)
+
+CONTACT = Effect(
+    id="endstop.contact",
+    block="piston",
+    rigs=_RIGS,
+    statement="A bumper catches the piston in front of the stop; the model stops it dead.",
+    equation="F = stiffness d + damping d' over the last 0.2 mm",
+    parameters=(
+        EffectParameter(
+            "stiffness", "N/m", 0.0, 0.0, 1e7, (1e6,), "of the bumper", "stop.stiffness"
+        ),
+        EffectParameter(
+            "damping", "N*s/m", 0.0, 0.0, 2e3, (200.0,), "of the bumper", "stop.damping"
+        ),
+    ),
+    source="textbook contact law; restitution 0.2 to 0.6",
+    experiment="drive into both stops at three speeds with an accelerometer",
+)
+CUSHION = Effect(
+    id="endstop.cushion",
+    block="piston",
+    rigs=_RIGS,
+    statement="Trapped air brakes the piston near its ends; the model has no cushions.",
+    equation="Pc' = n/V (R T m(P, Pc, area) + Pc A v) over the last length",
+    parameters=(
+        EffectParameter(
+            "length", "m", 0.0, 0.0, 0.015, (0.006,), "of the cushion", "stop.cushion_length"
+        ),
+        EffectParameter(
+            "area", "m**2", 1e-7, 5e-9, 1e-6, (1e-7,), "of the needle", "stop.needle_area"
+        ),
+    ),
+    source="Beater 2007, Pneumatic Drives",
+    experiment="repeat with the needles open and closed",
+)
+EFFECTS = (CONTACT, CUSHION)

@@ -1,0 +1,265 @@
+"""The whole chain of the servo with every effect: the rate of its state."""
+
+from pneuservo.plant.analogue_card import differentiator_output, differentiator_rates
+from pneuservo.plant.control_law import (
+    CARD_TAPS,
+    HELD_VOLTAGE,
+    limited,
+    switching_surface,
+    unlimited_output,
+)
+from pneuservo.plant.piston import acceleration
+from pneuservo.plant.servo.compilation import compiled, compiled_apart
+from pneuservo.plant.servo.drive import delayed_command, given
+from pneuservo.plant.servo.layout import (
+    COMMAND,
+    FED_DISPLACEMENT,
+    FED_PRESSURE_A,
+    FED_PRESSURE_B,
+    FED_SPOOL,
+    FED_VELOCITY,
+    INTERVAL,
+    LAGGED_DISPLACEMENT,
+    PLAY,
+    SERVO_STATES,
+    SPOOL_STUCK,
+    TIME,
+)
+from pneuservo.plant.servo.mechanics import force_and_piston, hanging_rates, mechanical_rates
+from pneuservo.plant.servo.pneumatics import pneumatic_rates
+from pneuservo.plant.servo.sensor_effects import heard_motion
+from pneuservo.plant.servo.spool_effects import biased_with_play, spool_rates
+from pneuservo.plant.servo.valve_side import supply_at_valve
+from pneuservo.plant.single_axis import (
+    CARD_DERIVATIVE_1,
+    CARD_DERIVATIVE_2,
+    CARD_LAGGED_1,
+    CARD_LAGGED_2,
+    DISPLACEMENT,
+    MOTION,
+    PLANT_STATES,
+    PRESSURE_A,
+    PRESSURE_B,
+    RELAY_SIGN,
+    SPOOL,
+    SPOOL_FREE,
+    SPOOL_LIMIT,
+    SPOOL_RATE,
+    VELOCITY,
+)
+
+
+@compiled
+def piston_acceleration(state, modes, memory, drive, elapsed, servo):
+    """Return the acceleration of the piston [m/s^2].
+
+    Parameters
+    ----------
+    state, modes, memory, drive, elapsed, servo
+        As in `derivative`.
+    """
+    force, held = force_and_piston(state, modes, memory, drive, elapsed, servo)
+    return acceleration(force, modes[MOTION], held)
+
+
+@compiled
+def heard(state, second, servo):
+    """Return the motion as the displacement transducer has it [m], [m/s], [m/s^2].
+
+    Parameters
+    ----------
+    state, servo
+        As in `derivative`.
+    second : float
+        Acceleration of the piston [m/s^2].
+    """
+    lagged = state[DISPLACEMENT]
+    if state.shape[0] > PLANT_STATES:
+        lagged = state[LAGGED_DISPLACEMENT]
+    return heard_motion(
+        state[DISPLACEMENT],
+        state[VELOCITY],
+        second,
+        lagged,
+        servo.plant.piston.stroke,
+        servo.effects.sensor,
+    )
+
+
+@compiled_apart
+def surface(state, modes, memory, drive, elapsed, servo):
+    """Return the switching function of the law, in its own unit.
+
+    Parameters
+    ----------
+    state, modes, memory, drive, elapsed, servo
+        As in `derivative`.
+    """
+    law, demand = servo.law, given(drive, COMMAND, elapsed)
+    if law.source == CARD_TAPS:
+        displacement, _, _ = heard(state, 0.0, servo)
+        return switching_surface(
+            law.sensitivity * (displacement - demand),
+            -differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant),
+            differentiator_output(state[CARD_DERIVATIVE_2], law.acceleration_time_constant),
+            law,
+        )
+    second = piston_acceleration(state, modes, memory, drive, elapsed, servo)
+    displacement, velocity, second = heard(state, second, servo)
+    return switching_surface(displacement - demand, velocity, second, law)
+
+
+@compiled
+def commanded_voltage(state, modes, memory, drive, elapsed, servo):
+    """Return the command into the valve driver before any limit [V].
+
+    Parameters
+    ----------
+    state, modes, memory, drive, elapsed, servo
+        As in `derivative`.
+    """
+    if servo.law.source == HELD_VOLTAGE:
+        return given(drive, COMMAND, elapsed)
+    value = surface(state, modes, memory, drive, elapsed, servo)
+    return unlimited_output(value, modes[RELAY_SIGN], servo.law)
+
+
+@compiled
+def motor_command(command, memory, rows, drive, elapsed, servo):
+    """Return the command that moves the spool, before the driver limits it [V].
+
+    Parameters
+    ----------
+    command : float
+        Into the valve driver [V].
+    memory, rows, drive, elapsed, servo
+        As in `derivative`.
+    """
+    now = given(drive, TIME, elapsed)
+    late = delayed_command(command, memory, rows, now, servo)
+    return biased_with_play(late, memory[PLAY], servo.plant.valve.full_voltage, servo.effects.spool)
+
+
+@compiled
+def fed_motion(drive, elapsed):
+    """Return velocity [m/s] and acceleration [m/s^2] of a motion that is given by samples.
+
+    Parameters
+    ----------
+    drive, elapsed
+        As in `derivative`.
+
+    Notes
+    -----
+    Cubic between the samples, with their velocities at the ends (Hermite): volume and its rate
+    then agree, so that no pressure builds up from sample to sample.
+    """
+    interval = drive[0, INTERVAL]
+    if interval <= 0.0:
+        return drive[0, FED_VELOCITY], drive[1, FED_VELOCITY]
+    ends = 0.5 * drive[1, FED_VELOCITY] * interval
+    bulge = 6.0 * (drive[1, FED_DISPLACEMENT] - drive[0, FED_VELOCITY] - ends)
+    along = elapsed / interval
+    velocity = drive[0, FED_VELOCITY] + drive[1, FED_VELOCITY] * elapsed
+    return (
+        velocity + bulge * along * (1.0 - along),
+        drive[1, FED_VELOCITY] + bulge * (1.0 - 2.0 * along) / interval,
+    )
+
+
+@compiled
+def _write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
+    rate[SPOOL], rate[SPOOL_RATE] = 0.0, 0.0
+    if modes[SPOOL_LIMIT] != SPOOL_FREE:
+        return
+    plant = servo.plant
+    command = limited(
+        commanded_voltage(state, modes, memory, drive, elapsed, servo), servo.law.level
+    )
+    command = motor_command(command, memory, rows, drive, elapsed, servo)
+    share = 0.0
+    if servo.effects.spool.flow_force > 0.0:
+        supply = supply_at_valve(state, drive, elapsed, servo)
+        charged, vented = state[PRESSURE_A], state[PRESSURE_B]
+        if state[SPOOL] < 0.0:
+            charged, vented = vented, charged
+        share = 0.5 * (supply - charged + vented - plant.ambient_pressure) / supply
+    rate[SPOOL], rate[SPOOL_RATE] = spool_rates(
+        limited(command, plant.valve.full_voltage),
+        state[SPOOL],
+        state[SPOOL_RATE],
+        share,
+        memory[SPOOL_STUCK],
+        plant.valve,
+        servo.effects.spool,
+    )
+
+
+@compiled
+def _write_card_rates(state, servo, rate):
+    law = servo.law
+    displacement, _, _ = heard(state, 0.0, servo)
+    rate[CARD_LAGGED_1], rate[CARD_DERIVATIVE_1] = differentiator_rates(
+        law.sensitivity * displacement,
+        state[CARD_LAGGED_1],
+        state[CARD_DERIVATIVE_1],
+        law.velocity_lag_1,
+        law.velocity_lag_2,
+    )
+    rate[CARD_LAGGED_2], rate[CARD_DERIVATIVE_2] = differentiator_rates(
+        differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant),
+        state[CARD_LAGGED_2],
+        state[CARD_DERIVATIVE_2],
+        law.acceleration_lag_1,
+        law.acceleration_lag_2,
+    )
+
+
+@compiled
+def derivative(state, modes, memory, rows, drive, elapsed, servo, grid, rate):
+    """Write the rate of the state of the whole chain.
+
+    Parameters
+    ----------
+    state : (6,) or (27,) array
+        In SI; places as in `layout`. Six when no effect has a state of its own.
+    modes : (3,) array of int
+        What the piston is doing, the limit the spool is at, which way a relay is switched.
+    memory : (13,) array
+        What changes only from step to step; places as in `layout`.
+    rows : (1024, 4) array
+        The past that delays look up.
+    drive : (2, 10) array
+        The inputs at the last sample and their rates, and the interval; columns as in `layout`.
+    elapsed : float
+        Time since the last sample [s].
+    servo : Servo
+        The numbers of rig, effects and law, and what is fed.
+    grid : (4, 51, 101) array
+        Discharge coefficients, from `pneuservo.plant.valve.discharge_grid`.
+    rate : array
+        Written: the rate of the state in SI per second.
+    """
+    fed = servo.fed
+    long = state.shape[0] > PLANT_STATES
+    if long:
+        for i in range(PLANT_STATES, SERVO_STATES):
+            rate[i] = 0.0
+    if fed.motion:
+        velocity, rate[VELOCITY] = fed_motion(drive, elapsed)
+        rate[DISPLACEMENT] = velocity
+    else:
+        velocity = mechanical_rates(state, modes, memory, drive, elapsed, servo, rate)
+    if long:
+        hanging_rates(state, velocity, rate[VELOCITY], servo, rate)
+    if fed.pressures:
+        rate[PRESSURE_A], rate[PRESSURE_B] = drive[1, FED_PRESSURE_A], drive[1, FED_PRESSURE_B]
+        rate[SPOOL], rate[SPOOL_RATE] = 0.0, 0.0
+        return
+    pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, rate)
+    if fed.spool:
+        rate[SPOOL], rate[SPOOL_RATE] = drive[1, FED_SPOOL], 0.0
+    else:
+        _write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate)
+    if servo.law.source == CARD_TAPS:
+        _write_card_rates(state, servo, rate)

@@ -1,0 +1,87 @@
+"""Where the cylinder leaks."""
+
+import math
+from typing import NamedTuple
+
+from pneuservo.plant.gas import gas_mass_flow
+from pneuservo.plant.leak_laws import laminar_leak, power_leak
+from pneuservo.plant.servo.compilation import compiled
+
+
+class LeakageEffects(NamedTuple):
+    """Parameters of the leaks of the cylinder."""
+
+    cross_conductance: float = 0.0
+    """Narrow gap past the piston seal [kg/(s Pa^2)]."""
+    chamber_a_area: float = 0.0
+    """Effective area of a hole from chamber a to the outside [m^2]."""
+    rod_seal_area: float = 0.0
+    """Effective area of a hole from chamber b to the outside [m^2]."""
+    opening_a_coefficient: float = 0.0
+    """Flow at 1 bar gauge of a leak of chamber a that opens under pressure [kg/s]."""
+    opening_a_exponent: float = 1.25
+    opening_b_coefficient: float = 0.0
+    """The same of chamber b [kg/s]."""
+    opening_b_exponent: float = 1.25
+    worn_conductance: float = 0.0
+    """Narrow gap past the piston in the middle of a worn zone [kg/(s Pa^2)]."""
+    worn_centre: float = 0.5
+    """Where the zone is, as a share of the stroke [-]."""
+    worn_width: float = 0.1
+    """Its half width, as a share of the stroke [-]."""
+    moving_conductance: float = 0.0
+    """Narrow gap past the piston per piston speed [kg/(s Pa^2) per m/s]."""
+
+
+@compiled
+def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperature, effects):
+    """Return the mass flow past the piston, from a to b [kg/s].
+
+    Parameters
+    ----------
+    pressure_a, pressure_b : float
+        Absolute [Pa].
+    displacement, velocity : float
+        Of the piston [m], [m/s].
+    stroke : float
+        [m].
+    temperature : float
+        [K].
+    effects : LeakageEffects
+        The effects.
+
+    Notes
+    -----
+    Compressible laminar gap, q = G (pa^2 - pb^2) (Richer and Hurmuzlu 2000); a worn zone adds a
+    bell-shaped G(x), a seal lifted by its film G in proportion to the speed.
+    """
+    conductance = effects.cross_conductance + effects.moving_conductance * abs(velocity)
+    if effects.worn_conductance > 0.0:
+        away = (displacement / stroke - effects.worn_centre) / effects.worn_width
+        conductance += effects.worn_conductance * math.exp(-away * away)
+    if conductance == 0.0:
+        return 0.0
+    return laminar_leak(pressure_a, pressure_b, temperature, conductance)
+
+
+@compiled
+def outward_leak(pressure, ambient, area, coefficient, exponent, gas):
+    """Return the mass flow from a chamber to the outside [kg/s].
+
+    Parameters
+    ----------
+    pressure, ambient : float
+        Absolute [Pa].
+    area : float
+        Effective area of a hole [m^2].
+    coefficient, exponent : float
+        Flow at 1 bar gauge [kg/s] and power of a leak that opens under pressure.
+    gas : Gas
+        The gas.
+    """
+    flow = 0.0
+    if area > 0.0:
+        flow += gas_mass_flow(pressure, ambient, area, 1.0, gas)
+    if coefficient > 0.0:
+        flow += power_leak(pressure, ambient, coefficient, exponent)
+    return flow

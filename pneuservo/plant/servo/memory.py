@@ -1,0 +1,159 @@
+"""What the chain remembers from step to step: play, stiction, rest, bristles, jets, the past."""
+
+from pneuservo.plant.control_law import limited
+from pneuservo.plant.piston import is_moving
+from pneuservo.plant.presliding import presliding_step
+from pneuservo.plant.servo.chain import commanded_voltage, motor_command
+from pneuservo.plant.servo.compilation import compiled, compiled_apart
+from pneuservo.plant.servo.drive import given
+from pneuservo.plant.servo.layout import (
+    BRISTLE,
+    BRISTLE_PLACE,
+    COMMANDED,
+    FIRST_JET,
+    FLOWED_A,
+    FLOWED_B,
+    LAST_SPOOL_RATE,
+    NEWEST,
+    PAST_COLUMNS,
+    PAST_ROWS,
+    PISTON_REST,
+    PLAY,
+    SPOOL_REST,
+    SPOOL_STUCK,
+    TIME,
+    WHEN,
+)
+from pneuservo.plant.servo.spool_effects import breakaway_of_spool
+from pneuservo.plant.servo.valve_effects import jet_is_attached
+from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
+from pneuservo.plant.single_axis import (
+    DISPLACEMENT,
+    MOTION,
+    PRESSURE_A,
+    PRESSURE_B,
+    SPOOL,
+    SPOOL_RATE,
+)
+from pneuservo.plant.valve import A_TO_EXHAUST, B_TO_EXHAUST, SUPPLY_TO_A, SUPPLY_TO_B
+
+
+@compiled
+def remember(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
+    """Update what is remembered once a step is done.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, elapsed, servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`; memory and rows are changed.
+    passed : float
+        Length of the step [s].
+
+    Notes
+    -----
+    Play, stiction of the spool, jets and rest change only here, so that their timing is known to
+    a step; friction that builds up over a distance is exact for a step without a reversal.
+    """
+    effects = servo.effects
+    memory[PISTON_REST] = 0.0 if is_moving(modes[MOTION]) else memory[PISTON_REST] + passed
+    memory[BRISTLE] = presliding_step(
+        memory[BRISTLE],
+        state[DISPLACEMENT] - memory[BRISTLE_PLACE],
+        effects.friction.presliding_travel,
+        effects.friction.presliding_exponent,
+    )
+    memory[BRISTLE_PLACE] = state[DISPLACEMENT]
+    if servo.fed.pressures:
+        return
+    if effects.spool.hysteresis > 0.0 or effects.spool.stiction > 0.0:
+        _remember_spool(state, modes, memory, rows, drive, elapsed, passed, servo)
+    if effects.valve.attached_loss > 0.0:
+        _remember_jets(state, memory, drive, elapsed, servo)
+    if effects.spool.delay > 0.0 or effects.line.delay > 0.0:
+        record(state, modes, memory, rows, drive, elapsed, servo, grid)
+
+
+@compiled
+def _driver_command(state, modes, memory, drive, elapsed, servo):
+    command = commanded_voltage(state, modes, memory, drive, elapsed, servo)
+    return limited(command, servo.law.level)
+
+
+@compiled_apart
+def _remember_spool(state, modes, memory, rows, drive, elapsed, passed, servo):
+    effects, full = servo.effects.spool, servo.plant.valve.full_voltage
+    command = _driver_command(state, modes, memory, drive, elapsed, servo)
+    memory[PLAY] = motor_command(command, memory, rows, drive, elapsed, servo)
+    if effects.stiction == 0.0:
+        return
+    error = abs(limited(memory[PLAY], full) / full - state[SPOOL])
+    turned = state[SPOOL_RATE] * memory[LAST_SPOOL_RATE] <= 0.0
+    if memory[SPOOL_STUCK] != 0.0:
+        memory[SPOOL_REST] += passed
+        if error > breakaway_of_spool(memory[SPOOL_REST], effects):
+            memory[SPOOL_STUCK] = 0.0
+    elif turned and error < breakaway_of_spool(0.0, effects):
+        memory[SPOOL_STUCK] = 1.0
+        memory[SPOOL_REST] = 0.0
+        state[SPOOL_RATE] = 0.0
+    memory[LAST_SPOOL_RATE] = state[SPOOL_RATE]
+
+
+@compiled_apart
+def _remember_jets(state, memory, drive, elapsed, servo):
+    supply, ambient = supply_at_valve(state, drive, elapsed, servo), servo.plant.ambient_pressure
+    pa, pb = state[PRESSURE_A], state[PRESSURE_B]
+    effects = servo.effects.valve
+    for path, one, other in (
+        (SUPPLY_TO_A, supply, pa),
+        (B_TO_EXHAUST, pb, ambient),
+        (SUPPLY_TO_B, supply, pb),
+        (A_TO_EXHAUST, pa, ambient),
+    ):
+        place = FIRST_JET + path
+        memory[place] = jet_is_attached(memory[place], min(one, other) / max(one, other), effects)
+
+
+@compiled_apart
+def record(state, modes, memory, rows, drive, elapsed, servo, grid):
+    """Add the present command and flows to the past.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, elapsed, servo, grid
+        As in `remember`.
+    """
+    place = (int(memory[NEWEST]) + 1) % PAST_ROWS
+    supply = supply_at_valve(state, drive, elapsed, servo)
+    flow_a, flow_b, _ = valve_flows(state[SPOOL], state, memory, supply, servo, grid)
+    command = _driver_command(state, modes, memory, drive, elapsed, servo)
+    rows[place, WHEN] = given(drive, TIME, elapsed)
+    rows[place, COMMANDED] = command
+    rows[place, FLOWED_A] = flow_a
+    rows[place, FLOWED_B] = flow_b
+    memory[NEWEST] = place
+
+
+@compiled_apart
+def begin(state, modes, memory, rows, drive, servo, grid):
+    """Fill memory and past as if the run had stood like its start for ever.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, servo, grid
+        As in `remember`.
+    """
+    for i in range(memory.shape[0]):
+        memory[i] = 0.0
+    memory[BRISTLE_PLACE] = state[DISPLACEMENT]
+    command = _driver_command(state, modes, memory, drive, 0.0, servo)
+    memory[PLAY] = command + servo.effects.spool.null_bias * servo.plant.valve.full_voltage
+    if not servo.fed.pressures and servo.effects.valve.attached_loss > 0.0:
+        _remember_jets(state, memory, drive, 0.0, servo)
+    record(state, modes, memory, rows, drive, 0.0, servo, grid)
+    newest = int(memory[NEWEST])
+    for row in range(PAST_ROWS):
+        if row != newest:
+            for column in range(PAST_COLUMNS):
+                rows[row, column] = rows[newest, column]
+            rows[row, WHEN] = -1e30

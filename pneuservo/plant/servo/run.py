@@ -1,0 +1,339 @@
+"""Fixed Runge-Kutta steps of the servo with effects, with events located inside a step."""
+
+import math
+
+import numpy as np
+
+from pneuservo.plant.analogue_card import differentiator_output
+from pneuservo.plant.control_law import CARD_TAPS, HELD_VOLTAGE, limited
+from pneuservo.plant.integrator import (
+    MOST_EVENTS_PER_STEP,
+    MOST_TRIALS,
+    SMALLEST_OPENING,
+    TIME_TOLERANCE,
+)
+from pneuservo.plant.piston import acceleration
+from pneuservo.plant.servo.chain import commanded_voltage, derivative, heard, surface
+from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled_whole
+from pneuservo.plant.servo.drive import given
+from pneuservo.plant.servo.events import margin, motion_at_start, settle
+from pneuservo.plant.servo.layout import (
+    BRISTLE_PLACE,
+    COMMAND,
+    DRIVING_OUT,
+    EXTERNAL_FORCE,
+    FED_DISPLACEMENT,
+    FED_PRESSURE_A,
+    FED_PRESSURE_B,
+    FED_SPOOL,
+    FED_VELOCITY,
+    FLOW_A_OUT,
+    FLOW_B_OUT,
+    FRICTION_OUT,
+    INPUTS,
+    INTERVAL,
+    LAGGED_DISPLACEMENT,
+    MEMORY,
+    OUTPUTS,
+    PAST_COLUMNS,
+    PAST_ROWS,
+    PORT_PRESSURE_A,
+    PORT_PRESSURE_B,
+    SERVO_STATES,
+    SUPPLY_OUT,
+    TEMPERATURE_A,
+    TEMPERATURE_A_OUT,
+    TEMPERATURE_B,
+    TEMPERATURE_B_OUT,
+    TIME,
+)
+from pneuservo.plant.servo.mechanics import force_and_piston
+from pneuservo.plant.servo.memory import begin, record, remember
+from pneuservo.plant.servo.pneumatics import flows_at_cylinder
+from pneuservo.plant.servo.sensor_effects import reading_behind
+from pneuservo.plant.servo.valve_side import supply_at_valve, temperature_of, valve_flows
+from pneuservo.plant.single_axis import (
+    CARD_DERIVATIVE_1,
+    CARD_DERIVATIVE_2,
+    DISPLACEMENT,
+    MOTION,
+    PLANT_STATES,
+    PRESSURE_A,
+    PRESSURE_B,
+    RELAY_SIGN,
+    SPOOL,
+    SPOOL_FREE,
+    SPOOL_LIMIT,
+    SPOOL_RATE,
+    VELOCITY,
+)
+
+# Classical Runge-Kutta: where each stage lies, and the weight of its rate.
+_STAGE_AT = (0.0, 0.5, 0.5, 1.0)
+_WEIGHT = (1.0, 2.0, 2.0, 1.0)
+
+
+@compiled
+def step_through(state, step, modes, memory, rows, drive, elapsed, servo, grid, work, result):
+    """Write the state one step later, modes and memory staying as they are.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, elapsed, servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`.
+    step : float
+        Length of the step [s].
+    work : (3, n) array
+        Overwritten.
+    result : (n,) array
+        Written: the state after the step; must not be `state` itself.
+
+    Notes
+    -----
+    One call of the derivative in a loop: it is long, and compiled in place.
+    """
+    stage, rate, total = work[0], work[1], work[2]
+    long = state.shape[0] > PLANT_STATES
+    for i in range(PLANT_STATES):
+        stage[i], total[i] = state[i], 0.0
+    if long:
+        for i in range(PLANT_STATES, SERVO_STATES):
+            stage[i], total[i] = state[i], 0.0
+    for k in range(4):
+        at = elapsed + _STAGE_AT[k] * step
+        derivative(stage, modes, memory, rows, drive, at, servo, grid, rate)
+        weight, ahead = _WEIGHT[k], _STAGE_AT[min(k + 1, 3)] * step
+        for i in range(PLANT_STATES):
+            total[i] += weight * rate[i]
+            stage[i] = state[i] + ahead * rate[i]
+        if long:
+            for i in range(PLANT_STATES, SERVO_STATES):
+                total[i] += weight * rate[i]
+                stage[i] = state[i] + ahead * rate[i]
+    for i in range(PLANT_STATES):
+        result[i] = state[i] + step / 6.0 * total[i]
+    if long:
+        for i in range(PLANT_STATES, SERVO_STATES):
+            result[i] = state[i] + step / 6.0 * total[i]
+
+
+@compiled
+def copy_state(source, target):
+    """Copy one state over another.
+
+    Parameters
+    ----------
+    source, target : (n,) array
+        The second is changed.
+    """
+    for i in range(source.shape[0]):
+        target[i] = source[i]
+
+
+@compiled
+def advance(state, start, end, modes, memory, rows, drive, servo, grid, work, result):
+    """Advance the state from one moment of an interval to another, through every event.
+
+    Parameters
+    ----------
+    state : array
+        Changed.
+    start, end : float
+        Since the last sample [s].
+    modes, memory, rows
+        Changed.
+    drive, servo, grid, work, result
+        As in `step_through`; `result` is overwritten.
+
+    Notes
+    -----
+    Events are located as in `pneuservo.plant.integrator.locate_event`, by regula falsi with
+    Illinois weights on steps repeated from the same start.
+    """
+    elapsed, remaining = start, end - start
+    events, trials, kept = 0, 0, 0
+    locating, last = False, False
+    before = after = margin_before = margin_after = 0.0
+    trial = remaining
+    while True:
+        step_through(state, trial, modes, memory, rows, drive, elapsed, servo, grid, work, result)
+        if not last:
+            found = margin(result, modes, memory, rows, drive, elapsed + trial, servo)
+            if not locating:
+                if not found < 0.0 or events == MOST_EVENTS_PER_STEP:
+                    copy_state(result, state)
+                    remember(state, modes, memory, rows, drive, elapsed + trial, trial, servo, grid)
+                    return
+                locating, trials, kept = True, 0, 0
+                before, after, margin_after = 0.0, trial, found
+                margin_before = margin(state, modes, memory, rows, drive, elapsed, servo)
+            elif found < 0.0:
+                after, margin_after = trial, found
+                if kept == -1:
+                    margin_before *= 0.5
+                kept = -1
+            else:
+                before, margin_before = trial, found
+                if kept == 1:
+                    margin_after *= 0.5
+                kept = 1
+            width = after - before
+            last = width <= TIME_TOLERANCE or trials == MOST_TRIALS
+            trials += 1
+            trial = after
+            if not last:
+                share = 0.5
+                if margin_before != 0.0:
+                    share = margin_after / (margin_after - margin_before)
+                trial -= width * min(max(share, 0.01), 0.99)
+            continue
+        copy_state(result, state)
+        elapsed += trial
+        remember(state, modes, memory, rows, drive, elapsed, trial, servo, grid)
+        settle(state, modes, memory, rows, drive, elapsed, servo)
+        remaining -= trial
+        events += 1
+        locating = last = False
+        if remaining <= 0.0:
+            return
+        trial = remaining
+
+
+@compiled_apart
+def _write_output(state, modes, memory, rows, drive, servo, grid, output):
+    law = servo.law
+    force, held = force_and_piston(state, modes, memory, drive, 0.0, servo)
+    second = acceleration(force, modes[MOTION], held)
+    displacement, velocity, heard_second = heard(state, second, servo)
+    for i in range(output.shape[0]):
+        output[i] = math.nan
+    output[0], output[1], output[2] = displacement, velocity, heard_second
+    output[3], output[4], output[5] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
+    command = commanded_voltage(state, modes, memory, drive, 0.0, servo)
+    output[6] = limited(command, law.level)
+    if law.source != HELD_VOLTAGE:
+        output[7] = surface(state, modes, memory, drive, 0.0, servo)
+    if law.source == CARD_TAPS:
+        output[8] = differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant)
+        output[9] = differentiator_output(state[CARD_DERIVATIVE_2], law.acceleration_time_constant)
+    output[DRIVING_OUT] = force
+    output[FRICTION_OUT] = force - held.mass * second
+    if servo.fed.pressures:
+        return
+    supply = supply_at_valve(state, drive, 0.0, servo)
+    output[SUPPLY_OUT] = supply
+    output[TEMPERATURE_A_OUT] = temperature_of(state, TEMPERATURE_A, servo)
+    output[TEMPERATURE_B_OUT] = temperature_of(state, TEMPERATURE_B, servo)
+    flow_a, flow_b, _ = valve_flows(state[SPOOL], state, memory, supply, servo, grid)
+    output[FLOW_A_OUT], output[FLOW_B_OUT] = flows_at_cylinder(
+        flow_a, flow_b, state, memory, rows, given(drive, TIME, 0.0), servo
+    )
+
+
+@compiled_apart
+def _take_over(state, inputs, restart, modes, memory, drive, servo):
+    """Bring the state onto what the inputs hold, and all of it where a segment begins."""
+    fed = servo.fed
+    if fed.motion or restart:
+        state[DISPLACEMENT], state[VELOCITY] = inputs[FED_DISPLACEMENT], inputs[FED_VELOCITY]
+    if restart and state.shape[0] > PLANT_STATES:
+        state[PORT_PRESSURE_A] += inputs[FED_PRESSURE_A] - state[PRESSURE_A]
+        state[PORT_PRESSURE_B] += inputs[FED_PRESSURE_B] - state[PRESSURE_B]
+        state[LAGGED_DISPLACEMENT] = reading_behind(
+            state[DISPLACEMENT],
+            state[VELOCITY],
+            drive[1, FED_VELOCITY],
+            servo.plant.piston.stroke,
+            servo.effects.sensor,
+        )
+    if fed.pressures or restart:
+        state[PRESSURE_A], state[PRESSURE_B] = inputs[FED_PRESSURE_A], inputs[FED_PRESSURE_B]
+    if fed.spool:
+        state[SPOOL], state[SPOOL_RATE] = inputs[FED_SPOOL], 0.0
+    if fed.motion:
+        modes[MOTION] = 0 if state[VELOCITY] == 0.0 else math.copysign(1.0, state[VELOCITY])
+    elif restart:
+        memory[BRISTLE_PLACE] = state[DISPLACEMENT]
+        motion_at_start(state, modes, memory, drive, servo)
+
+
+@compiled
+def _write_drive(inputs, k, interval, servo, drive):
+    """Write the inputs of an interval and their rates: what is not held runs straight."""
+    drive[0, INTERVAL], drive[1, INTERVAL] = interval, 0.0
+    following = min(k + 1, inputs.shape[0] - 1)
+    for i in range(inputs.shape[1]):
+        drive[0, i] = inputs[k, i]
+        held = i == EXTERNAL_FORCE or (i == COMMAND and not servo.fed.ramped_command)
+        drive[1, i] = 0.0
+        if not held and interval > 0.0:
+            drive[1, i] = (inputs[following, i] - inputs[k, i]) / interval
+
+
+@compiled_whole
+def run_servo(inputs, restarts, initial_state, servo, grid, largest_step):
+    """Return the outputs at every time of a run.
+
+    Parameters
+    ----------
+    inputs : (n, 9) array
+        Columns as in `layout`; the last is the time, strictly increasing [s]. Command and
+        external force hold until the next row, the others run straight to it.
+    restarts : (n,) array of bool
+        Where displacement, velocity and pressures are set to what the inputs hold.
+    initial_state : (6,) or (27,) array
+        In SI; six when no effect and no card has a state of its own.
+    servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`.
+    largest_step : float
+        The intervals are divided into equal steps no longer than this [s].
+
+    Returns
+    -------
+    (n, 17) array
+        One column per name of `layout.OUTPUTS`, in SI, each row just after its time: motion as
+        the displacement transducer has it, pressures as they are. NaN where there is none.
+    """
+    state = initial_state.copy()
+    work, result = np.empty((3, state.shape[0])), np.empty_like(state)
+    outputs = np.empty((inputs.shape[0], len(OUTPUTS)))
+    modes, memory = np.zeros(3, np.int64), np.zeros(MEMORY)
+    rows, drive = np.empty((PAST_ROWS, PAST_COLUMNS)), np.empty((2, INPUTS + 1))
+    modes[RELAY_SIGN], modes[SPOOL_LIMIT] = 1, SPOOL_FREE
+    if abs(state[SPOOL]) >= 1.0:
+        modes[SPOOL_LIMIT] = 1 if state[SPOOL] > 0.0 else -1
+    _write_drive(inputs, 0, 0.0, servo, drive)
+    begin(state, modes, memory, rows, drive, servo, grid)
+    if not servo.fed.motion:
+        motion_at_start(state, modes, memory, drive, servo)
+    delayed = servo.effects.spool.delay > 0.0 or servo.effects.line.delay > 0.0
+    for k in range(inputs.shape[0]):
+        interval = inputs[min(k + 1, inputs.shape[0] - 1), TIME] - inputs[k, TIME]
+        _write_drive(inputs, k, interval, servo, drive)
+        _take_over(state, inputs[k], restarts[k], modes, memory, drive, servo)
+        settle(state, modes, memory, rows, drive, 0.0, servo)
+        if delayed:
+            record(state, modes, memory, rows, drive, 0.0, servo, grid)
+        _write_output(state, modes, memory, rows, drive, servo, grid, outputs[k])
+        steps = max(math.ceil(interval / largest_step - 1e-9), 1)
+        if k + 1 == inputs.shape[0] or not math.isfinite(state[DISPLACEMENT] + state[PRESSURE_A]):
+            outputs[k + 1 :] = math.nan
+            break
+        for i in range(steps):
+            advance(
+                state,
+                interval * i / steps,
+                interval * (i + 1) / steps,
+                modes,
+                memory,
+                rows,
+                drive,
+                servo,
+                grid,
+                work,
+                result,
+            )
+            if abs(state[SPOOL]) < SMALLEST_OPENING and abs(state[SPOOL_RATE]) < SMALLEST_OPENING:
+                state[SPOOL] = 0.0
+                state[SPOOL_RATE] = 0.0
+    return outputs

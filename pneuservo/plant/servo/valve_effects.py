@@ -1,0 +1,235 @@
+"""What the valve's edges do beyond tabulated orifices."""
+
+import math
+from typing import NamedTuple
+
+from pneuservo.plant.gas import mass_flow_coefficient
+from pneuservo.plant.servo.compilation import compiled
+
+# Openings at which the lineariser's error is given; linear between, held outside.
+LINEARISER_KNOTS = (0.05, 0.3, 1.0)
+_PER_LOWER_SPAN = 1.0 / (LINEARISER_KNOTS[1] - LINEARISER_KNOTS[0])
+_PER_UPPER_SPAN = 1.0 / (LINEARISER_KNOTS[2] - LINEARISER_KNOTS[1])
+
+
+class ValveEffects(NamedTuple):
+    """Parameters of the effects on the flow through the valve."""
+
+    overlap: float = 0.0
+    """Opening at which a path begins to open [-]."""
+    null_leakage: float = 0.0
+    """Effective leak area of each path at null, as a share of its full area [-]."""
+    null_leakage_width: float = 0.02
+    """Opening over which the leak fades to 1/e [-]."""
+    critical_ratio: float = 0.0
+    """Pressure ratio b of the ellipse of ISO 6358 [-]; 0 for the isentropic nozzle."""
+    laminar_width: float = 0.0
+    """Share of the pressure ratio below 1 over which the flow is linear in it [-]."""
+    exhaust_excess: float = 0.0
+    """Exhaust paths wider than the rig has them, relative [-]."""
+    side_excess: float = 0.0
+    """Paths of port b wider than the rig has them, relative [-]."""
+    charge_low: float = 0.0
+    charge_middle: float = 0.0
+    charge_high: float = 0.0
+    """Relative error of the charging paths' area at `LINEARISER_KNOTS` [-]."""
+    exhaust_low: float = 0.0
+    exhaust_middle: float = 0.0
+    exhaust_high: float = 0.0
+    """Relative error of the exhaust paths' area at `LINEARISER_KNOTS` [-]."""
+    supply_warmth: float = 0.0
+    """Supply air above the rig's temperature [K]."""
+    exhaust_area: float = 0.0
+    """Effective area of a silencer behind each exhaust path [m^2]; 0 for none."""
+    attached_loss: float = 0.0
+    """Discharge coefficient lost while the jet is attached to the wall, relative [-]."""
+    attach_ratio: float = 0.4
+    """Pressure ratio below which the jet attaches [-]."""
+    detach_ratio: float = 0.6
+    """Pressure ratio above which it comes free [-]."""
+
+
+@compiled
+def effective_opening(opening, effects):
+    """Return the opening that is left once the overlap is passed [-].
+
+    Parameters
+    ----------
+    opening : float
+        Spool position as a fraction of full opening [-].
+    effects : ValveEffects
+        The effects.
+
+    Examples
+    --------
+    >>> round(effective_opening(-0.05, ValveEffects(overlap=0.02)), 3)
+    -0.03
+    """
+    if effects.overlap > 0.0:
+        return math.copysign(max(abs(opening) - effects.overlap, 0.0), opening)
+    return opening
+
+
+@compiled
+def area_factor(opening, exhausts, port_b, effects):
+    """Return the area of a path over that of the rig [-].
+
+    Parameters
+    ----------
+    opening : float
+        Magnitude of the opening [-].
+    exhausts, port_b : bool
+        Whether the path exhausts, and whether it belongs to port b.
+    effects : ValveEffects
+        The effects.
+    """
+    low, middle, high = effects.charge_low, effects.charge_middle, effects.charge_high
+    factor = 1.0
+    if exhausts:
+        low, middle, high = effects.exhaust_low, effects.exhaust_middle, effects.exhaust_high
+        factor += effects.exhaust_excess
+    if port_b:
+        factor *= 1.0 + effects.side_excess
+    first, second, third = LINEARISER_KNOTS
+    if opening < second:
+        share = (max(opening, first) - first) * _PER_LOWER_SPAN
+        return factor * (1.0 + low + (middle - low) * share)
+    share = (min(opening, third) - second) * _PER_UPPER_SPAN
+    return factor * (1.0 + middle + (high - middle) * share)
+
+
+@compiled
+def flow_factor(pressure_ratio, gas, effects):
+    """Return the mass flow over that of an isentropic nozzle [-].
+
+    Parameters
+    ----------
+    pressure_ratio : float
+        Lower over higher pressure [-].
+    gas : Gas
+        The gas.
+    effects : ValveEffects
+        The effects.
+
+    Notes
+    -----
+    ISO 6358: sqrt(1 - ((Pr - b)/(1 - b))^2) in place of (4.17), 1 below b. In the laminar tail
+    the flow falls in a straight line from its value at 1 - width to 0 at 1.
+
+    Examples
+    --------
+    >>> from pneuservo.plant.gas import ideal_gas
+    >>> air = ideal_gas(293.0, 287.0, 1.4)
+    >>> round(flow_factor(0.5283, air, ValveEffects(critical_ratio=0.3)), 3)
+    0.945
+    """
+    if effects.critical_ratio == 0.0 and effects.laminar_width == 0.0:
+        return 1.0
+    nozzle = mass_flow_coefficient(pressure_ratio, gas)
+    if nozzle == 0.0:
+        return 1.0
+    edge = min(pressure_ratio, 1.0 - effects.laminar_width)
+    flow = mass_flow_coefficient(edge, gas)
+    if effects.critical_ratio > 0.0:
+        along = max(edge - effects.critical_ratio, 0.0) / (1.0 - effects.critical_ratio)
+        flow = gas.choked_coefficient * math.sqrt(1.0 - along * along)
+    if edge < pressure_ratio:
+        flow *= (1.0 - pressure_ratio) / effects.laminar_width
+    return flow / nozzle
+
+
+@compiled
+def in_series(coefficient, area, series_area):
+    """Return the discharge coefficient of an orifice with another one behind it [-].
+
+    Parameters
+    ----------
+    coefficient : float
+        Discharge coefficient of the first [-].
+    area : float
+        Geometric area of the first [m^2].
+    series_area : float
+        Effective area of the second [m^2]; 0 for none.
+
+    Notes
+    -----
+    1/C^2 = 1/Cv^2 + 1/Cl^2 (Richer and Hurmuzlu 2000; Beater 2007).
+
+    Examples
+    --------
+    >>> round(in_series(1.0, 1e-6, 1e-6), 4)
+    0.7071
+    """
+    if series_area > 0.0:
+        share = coefficient * area / series_area
+        return coefficient / math.sqrt(1.0 + share * share)
+    return coefficient
+
+
+@compiled
+def null_leakage_share(opening, effects):
+    """Return the leak area of each path as a share of its full area [-].
+
+    Parameters
+    ----------
+    opening : float
+        Spool position as a fraction of full opening [-].
+    effects : ValveEffects
+        The effects.
+
+    Notes
+    -----
+    After Eryilmaz and Wilson 2000: the radial clearance leaks most at null.
+    """
+    return effects.null_leakage * math.exp(-abs(opening) / effects.null_leakage_width)
+
+
+@compiled
+def jet_is_attached(attached, pressure_ratio, effects):
+    """Return 1 while a jet is attached to the wall, otherwise 0.
+
+    Parameters
+    ----------
+    attached : float
+        What it was before.
+    pressure_ratio : float
+        Lower over higher pressure across the path [-].
+    effects : ValveEffects
+        The effects.
+
+    Notes
+    -----
+    Two flow patterns with a band of pressure ratios in which either lasts (Stenning 1955).
+    """
+    if pressure_ratio < effects.attach_ratio:
+        return 1.0
+    if pressure_ratio > effects.detach_ratio:
+        return 0.0
+    return attached
+
+
+@compiled
+def vena_contracta_temperature(pressure_ratio, temperature, gas):
+    """Return the temperature in the narrowest part of the jet [K].
+
+    Parameters
+    ----------
+    pressure_ratio : float
+        Downstream over upstream pressure [-].
+    temperature : float
+        Upstream stagnation temperature [K].
+    gas : Gas
+        The gas.
+
+    Notes
+    -----
+    Equations (4.21) and (4.22): isentropic to the throat, sonic there once choked.
+
+    Examples
+    --------
+    >>> from pneuservo.plant.gas import ideal_gas
+    >>> round(vena_contracta_temperature(0.2, 293.0, ideal_gas(293.0, 287.0, 1.4)), 1)
+    244.2
+    """
+    g = gas.isentropic_exponent
+    return temperature * max(pressure_ratio, gas.critical_pressure_ratio) ** ((g - 1.0) / g)

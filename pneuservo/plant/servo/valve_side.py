@@ -1,0 +1,201 @@
+"""The valve between supply, exhaust and its two ports, with every effect."""
+
+from pneuservo.plant.gas import gas_mass_flow
+from pneuservo.plant.servo.chamber_effects import has_energy_balance
+from pneuservo.plant.servo.compilation import compiled
+from pneuservo.plant.servo.drive import given
+from pneuservo.plant.servo.layout import (
+    FIRST_JET,
+    PORT_PRESSURE_A,
+    PORT_PRESSURE_B,
+    RESERVOIR,
+    SUPPLY,
+    TEMPERATURE_A,
+    TEMPERATURE_B,
+    TIME,
+)
+from pneuservo.plant.servo.supply_effects import has_reservoir, source_pressure
+from pneuservo.plant.servo.valve_effects import (
+    area_factor,
+    effective_opening,
+    flow_factor,
+    in_series,
+    null_leakage_share,
+)
+from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B
+from pneuservo.plant.valve import (
+    A_TO_EXHAUST,
+    B_TO_EXHAUST,
+    SUPPLY_TO_A,
+    SUPPLY_TO_B,
+    discharge_coefficient,
+)
+
+
+@compiled
+def supply_at_valve(state, drive, elapsed, servo):
+    """Return the pressure at the valve's supply port [Pa].
+
+    Parameters
+    ----------
+    state, drive, elapsed, servo
+        As in `pneuservo.plant.servo.chain.derivative`.
+    """
+    supply = servo.effects.supply
+    if has_reservoir(supply):
+        return state[RESERVOIR]
+    return source_pressure(given(drive, SUPPLY, elapsed), given(drive, TIME, elapsed), supply)
+
+
+@compiled
+def path_flow(
+    path,
+    opening,
+    area,
+    upstream,
+    downstream,
+    exhausts,
+    port_b,
+    source_temperature,
+    attached,
+    servo,
+    grid,
+):
+    """Return the mass flow through one path of the valve [kg/s].
+
+    Parameters
+    ----------
+    path : int
+        Which of the four paths.
+    opening : float
+        Magnitude of the opening [-].
+    area : float
+        Of the path at full opening, as the rig has it [m^2].
+    upstream, downstream : float
+        Absolute pressures in the path's own direction of flow [Pa].
+    exhausts, port_b : bool
+        Whether the path exhausts, and whether it belongs to port b.
+    source_temperature : float
+        Of the gas that flows [K].
+    attached : float
+        1 while the jet is attached to the wall.
+    servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`.
+
+    Notes
+    -----
+    `pneuservo.plant.valve.path_mass_flow` with every effect as a factor on the coefficient.
+    """
+    effects, plant = servo.effects, servo.plant
+    valve, gas = plant.valve, plant.gas
+    ratio = min(upstream, downstream) / max(upstream, downstream)
+    coefficient = discharge_coefficient(path, valve.full_voltage * opening, ratio, grid)
+    coefficient *= 1.0 - effects.valve.attached_loss * attached
+    coefficient *= area_factor(opening, exhausts, port_b, effects.valve)
+    open_area = area * opening
+    if exhausts:
+        coefficient = in_series(coefficient, open_area, effects.valve.exhaust_area)
+    coefficient = in_series(coefficient, open_area, effects.line.area)
+    coefficient *= flow_factor(ratio, gas, effects.valve)
+    if source_temperature != gas.temperature:
+        coefficient *= (gas.temperature / source_temperature) ** 0.5
+    return gas_mass_flow(upstream, downstream, open_area, coefficient, gas)
+
+
+@compiled
+def temperature_of(state, place, servo):
+    """Return the temperature of gas or wall of a chamber [K].
+
+    Parameters
+    ----------
+    state : array
+        Of the chain.
+    place : int
+        `layout.TEMPERATURE_A` or another one.
+    servo : Servo
+        The numbers.
+    """
+    if has_energy_balance(servo.effects.chamber):
+        return state[place]
+    return servo.plant.gas.temperature
+
+
+@compiled
+def port_pressures(state, servo):
+    """Return the pressures at ports a and b of the valve [Pa].
+
+    Parameters
+    ----------
+    state, servo
+        As in `pneuservo.plant.servo.chain.derivative`.
+    """
+    if servo.effects.line.frequency > 0.0:
+        return state[PORT_PRESSURE_A], state[PORT_PRESSURE_B]
+    return state[PRESSURE_A], state[PRESSURE_B]
+
+
+@compiled
+def _from_supply(path, opening, area, supply, pressure, port_b, warm, memory, servo, grid):
+    source = warm
+    if supply >= pressure:
+        source = servo.plant.gas.temperature + servo.effects.valve.supply_warmth
+    attached = memory[FIRST_JET + path]
+    return path_flow(
+        path, opening, area, supply, pressure, False, port_b, source, attached, servo, grid
+    )
+
+
+@compiled
+def _to_exhaust(path, opening, area, pressure, port_b, warm, memory, servo, grid):
+    ambient = servo.plant.ambient_pressure
+    source = warm if pressure >= ambient else servo.plant.gas.temperature
+    attached = memory[FIRST_JET + path]
+    return path_flow(
+        path, opening, area, pressure, ambient, True, port_b, source, attached, servo, grid
+    )
+
+
+@compiled
+def valve_flows(opening, state, memory, supply, servo, grid):
+    """Return the mass flows out of ports a and b, and that out of the supply [kg/s].
+
+    Parameters
+    ----------
+    opening : float
+        Spool position as a fraction of full opening [-].
+    state, memory, servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`.
+    supply : float
+        Absolute pressure at the supply port [Pa].
+    """
+    plant, effects = servo.plant, servo.effects.valve
+    valve = plant.valve
+    pa, pb = port_pressures(state, servo)
+    wide = effective_opening(opening, effects)
+    warm_a = temperature_of(state, TEMPERATURE_A, servo)
+    warm_b = temperature_of(state, TEMPERATURE_B, servo)
+    if wide >= 0.0:
+        flow_a = _from_supply(
+            SUPPLY_TO_A, wide, valve.area_s_a, supply, pa, False, warm_a, memory, servo, grid
+        )
+        flow_b = -_to_exhaust(
+            B_TO_EXHAUST, wide, valve.area_b_e, pb, True, warm_b, memory, servo, grid
+        )
+        drawn = flow_a
+    else:
+        flow_a = -_to_exhaust(
+            A_TO_EXHAUST, -wide, valve.area_a_e, pa, False, warm_a, memory, servo, grid
+        )
+        flow_b = _from_supply(
+            SUPPLY_TO_B, -wide, valve.area_s_b, supply, pb, True, warm_b, memory, servo, grid
+        )
+        drawn = flow_b
+    if effects.null_leakage > 0.0:
+        share = null_leakage_share(opening, effects)
+        ambient, gas = plant.ambient_pressure, plant.gas
+        into_a = gas_mass_flow(supply, pa, share * valve.area_s_a, 1.0, gas)
+        into_b = gas_mass_flow(supply, pb, share * valve.area_s_b, 1.0, gas)
+        flow_a += into_a - gas_mass_flow(pa, ambient, share * valve.area_a_e, 1.0, gas)
+        flow_b += into_b - gas_mass_flow(pb, ambient, share * valve.area_b_e, 1.0, gas)
+        drawn += into_a + into_b
+    return flow_a, flow_b, drawn

@@ -1,0 +1,197 @@
+"""Every effect of the single axis moves what it should, by as much as its law says."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pneuservo.controllers import Proportional
+from pneuservo.effects import effects_of
+from pneuservo.plant import from_rig
+from pneuservo.plant.control_law import OPEN_LOOP
+from pneuservo.plant.gas import gas_mass_flow
+from pneuservo.plant.servo.drive import past
+from pneuservo.plant.servo.layout import COMMANDED, FLOWED_A, NEWEST, PAST_ROWS, WHEN, Fed, Servo
+from pneuservo.plant.servo.servo_effects import NEUTRAL
+from pneuservo.plant.servo.spool_effects import SpoolEffects, breakaway_of_spool, spool_rates
+from pneuservo.plant.servo.stop_effects import StopEffects, bumper_force
+from pneuservo.plant.servo.transducers import play, read_pressures, true_motion, true_pressures
+from pneuservo.plant.servo.valve_effects import ValveEffects, in_series
+from pneuservo.plant.servo.valve_side import valve_flows
+from pneuservo.rigs import load_rig
+from pneuservo.simulation import InitialState, simulate
+
+RIG = load_rig("single-axis")
+PLANT = from_rig.single_axis(RIG)
+GRID = from_rig.valve_grid("ddv-27a1")
+EFFECTS = effects_of("single-axis")
+TIME = np.arange(0.0, 0.5, 1e-3)
+# Both directions and both stops at full opening, a rest, a slow ramp from null, a fast swing.
+COMMAND = np.select(
+    [TIME < 0.12, TIME < 0.16, TIME < 0.3, TIME < 0.33, TIME < 0.39],
+    [5.0, 0.0, -5.0, 0.0, TIME - 0.33],
+    2.0 * np.sin(150.0 * TIME),
+)
+
+
+def with_effect(effect, factor=1.0, changed=None):
+    values = {
+        p.name: p.starts[0] * (factor if p.name == changed else 1.0) for p in effect.parameters
+    }
+    return dataclasses.replace(RIG, effects={effect.id: values})
+
+
+def outputs(rig):
+    start = InitialState(0.015)
+    runs = [
+        simulate(rig, time=TIME, command=COMMAND, supply_pressure=6.5e5, initial=start),
+        simulate(
+            rig,
+            time=TIME[:60],
+            controller=Proportional(),
+            demand=0.02,
+            initial=start,
+            supply_pressure=6.5e5,
+        ),
+    ]
+    return [run[name] for run in runs for name in ("displacement", "pressure_a", "pressure_b")]
+
+
+@pytest.fixture(scope="module")
+def baseline():
+    return outputs(RIG)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.id)
+def test_every_effect_and_each_of_its_parameters_moves_an_output(effect, baseline):
+    planted = outputs(with_effect(effect))
+    assert all(np.isfinite(each).all() for each in planted)
+    moved = [
+        np.abs(one - other).max() / np.ptp(other)
+        for one, other in zip(planted, baseline, strict=True)
+    ]
+    # Far above the rounding of a neutral run, 1e-9.
+    assert max(moved) > 1e-7
+    for parameter in effect.parameters:
+        if parameter.starts[0] == 0.0:
+            continue
+        changed = outputs(with_effect(effect, 1.2, parameter.name))
+        assert any(
+            not np.array_equal(one, other) for one, other in zip(changed, planted, strict=True)
+        ), parameter.name
+
+
+def flows(effects, opening=0.5, pressure_a=4e5, pressure_b=4e5, supply=6.5e5):
+    state = np.array([0.015, 0.0, pressure_a, pressure_b, opening, 0.0])
+    servo = Servo(PLANT, NEUTRAL._replace(valve=effects), OPEN_LOOP, Fed())
+    return valve_flows(opening, state, np.zeros(13), supply, servo, np.full((4, 51, 101), 0.8))
+
+
+def test_flow_is_choked_below_the_critical_ratio_and_falls_above():
+    ratios = np.linspace(0.1, 0.95, 80)
+    for effects, critical in ((ValveEffects(), 0.5283), (ValveEffects(critical_ratio=0.3), 0.3)):
+        flow = np.array([flows(effects, pressure_a=6.5e5 * ratio)[0] for ratio in ratios])
+        plateau = flow[ratios < critical]
+        assert np.ptp(plateau) < 1e-12 * plateau[0]
+        assert np.all(np.diff(flow[ratios > critical]) < 0.0)
+    # ISO 6358 by hand, at ratio 0.65 with b = 0.3: sqrt(1 - 0.5^2).
+    flow, choked = (
+        flows(ValveEffects(critical_ratio=0.3), pressure_a=6.5e5 * r)[0] for r in (0.65, 0.2)
+    )
+    assert flow / choked == pytest.approx(np.sqrt(0.75), rel=1e-9)
+
+
+def test_overlap_takes_the_first_part_of_the_opening():
+    assert flows(ValveEffects(overlap=0.02), 0.019)[:2] == (0.0, 0.0)
+    assert flows(ValveEffects(overlap=0.02), 0.12) == pytest.approx(flows(ValveEffects(), 0.1))
+    assert flows(ValveEffects(overlap=0.02), -0.12) == pytest.approx(flows(ValveEffects(), -0.1))
+
+
+def test_null_leakage_pulls_both_chambers_to_one_pressure():
+    leaky = ValveEffects(null_leakage=0.01)
+    low, high = (flows(leaky, 0.0, pressure, pressure)[0] for pressure in (2e5, 6.4e5))
+    assert low > 0.0 > high
+    # Both paths choked: the supply's 0.87 Ps against the exhaust's 0.795 Pa.
+    flow = flows(leaky, 0.0, 3e5, 3e5)[0]
+    expected = gas_mass_flow(6.5e5, 3e5, 0.87e-8, 1.0, PLANT.gas)
+    assert flow == pytest.approx(expected - gas_mass_flow(3e5, 1.013e5, 0.795e-8, 1.0, PLANT.gas))
+
+
+def test_the_laminar_tail_is_a_straight_line_to_equal_pressures():
+    tail = ValveEffects(laminar_width=0.1)
+    flow = [flows(tail, pressure_a=6.5e5 * ratio)[0] for ratio in (0.9, 0.95, 0.975)]
+    assert flow[0] == pytest.approx(flows(ValveEffects(), pressure_a=6.5e5 * 0.9)[0], rel=1e-9)
+    assert flow[1:] == pytest.approx([flow[0] / 2.0, flow[0] / 4.0], rel=1e-9)
+
+
+def test_orifices_in_series_pass_less_than_either():
+    assert in_series(0.8, 1e-6, 1e-3) == pytest.approx(0.8, rel=1e-6)
+    assert in_series(0.8, 1e-6, 1e-9) * 1e-6 == pytest.approx(1e-9, rel=1e-6)
+
+
+def test_the_drive_limits_acceleration_and_rate():
+    free = spool_rates(5.0, 0.0, 0.0, 0.0, 0.0, PLANT.valve, SpoolEffects())
+    limits = SpoolEffects(acceleration_limit=1e5, rate_limit=50.0)
+    assert free[1] > 1e6
+    assert spool_rates(5.0, 0.0, 0.0, 0.0, 0.0, PLANT.valve, limits) == (0.0, 1e5)
+    assert spool_rates(5.0, 0.0, 80.0, 0.0, 0.0, PLANT.valve, limits) == (50.0, 0.0)
+    assert spool_rates(5.0, 0.0, 80.0, 0.0, 1.0, PLANT.valve, limits) == (0.0, 0.0)
+
+
+def test_silt_builds_up_with_the_rest():
+    effects = SpoolEffects(stiction=0.02, stiction_time=10.0)
+    assert breakaway_of_spool(10.0, effects) == pytest.approx(0.02 * (1.0 - 0.5 * np.exp(-1.0)))
+    assert breakaway_of_spool(0.0, effects) == 0.01
+    assert breakaway_of_spool(0.0, SpoolEffects(stiction=0.02)) == 0.02
+
+
+def test_the_past_is_straight_between_its_rows_and_reaches_the_present():
+    rows, memory = np.zeros((PAST_ROWS, 4)), np.zeros(13)
+    rows[:, WHEN] = -1e30
+    for k in range(5):
+        rows[k, WHEN], rows[k, FLOWED_A], rows[k, COMMANDED] = 0.1 * k, k, 1.0
+    memory[NEWEST] = 4
+    looked = [past(rows, memory, FLOWED_A, moment, 0.5, 5.0) for moment in (0.05, 0.25, 0.4, 0.45)]
+    assert looked == pytest.approx([0.5, 2.5, 4.0, 4.5])
+    assert past(rows, memory, FLOWED_A, -1.0, 0.5, 5.0) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_bumper_pushes_and_never_pulls():
+    bumper = StopEffects(stiffness=1e6, damping=100.0)
+    assert bumper_force(0.03, 0.0, 0.03, bumper) == pytest.approx(-200.0)
+    assert bumper_force(0.015, 1.0, 0.03, bumper) == 0.0
+    assert bumper_force(0.0299, -10.0, 0.03, bumper) == 0.0
+
+
+def test_a_wiper_with_play_stays_behind_at_a_reversal():
+    moved = np.array([0.0, 1.0, 2.0, 1.9, 1.0, 0.0])
+    assert play(moved, 0.25) == pytest.approx([0.0, 0.75, 1.75, 1.75, 1.25, 0.25])
+
+
+def test_readings_can_be_traced_back():
+    time = np.arange(0.0, 0.1, 1e-4)
+    x, v = 0.015 + 0.01 * np.sin(30.0 * time), 0.3 * np.cos(30.0 * time)
+    pressure = 4e5 + 1e5 * np.sin(20.0 * time)
+    flow = 1e-3 * np.cos(20.0 * time)
+    sensor = NEUTRAL.sensor._replace(
+        displacement_gain=0.02,
+        displacement_offset=1e-4,
+        first_harmonic=1e-4,
+        pressure_a_gain=0.01,
+        pressure_a_offset=2e3,
+        static_share=0.7,
+        pressure_skew=0.0,
+    )
+    read_a, read_b = read_pressures(time, pressure, pressure, flow, flow, PLANT.gas, sensor)
+    assert np.abs(read_a - pressure).max() > 5e3
+    back_a, back_b = true_pressures(time, read_a, read_b, flow, flow, PLANT.gas, sensor)
+    # The dynamic pressure is taken at the reading instead of the pressure: 2 % of 5 kPa at most,
+    # of which the difference in density is the square.
+    assert back_a == pytest.approx(pressure, abs=200.0)
+    assert back_b == pytest.approx(pressure, abs=200.0)
+    read = x * 1.02 + 1e-4 + 1e-4 * np.sin(2.0 * np.pi * x / 0.03)
+    slope = 1.02 + 1e-4 * 2.0 * np.pi / 0.03 * np.cos(2.0 * np.pi * x / 0.03)
+    true_x, true_v = true_motion(read, slope * v, None, 0.03, sensor)
+    # Three rounds with a contraction of 0.04: 0.04^3 of the error of 0.7 mm.
+    assert true_x == pytest.approx(x, abs=0.04**3 * 7e-4)
+    assert true_v == pytest.approx(v, abs=1e-5)
