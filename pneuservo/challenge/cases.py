@@ -32,9 +32,10 @@ from pneuservo.rigs import Rig, load_rig
 RIG_FILE = "rig.toml"
 USED, HELD_BACK, FOLLOW_UP = "used", "held-back", "follow-up"
 """How the names of recordings begin."""
-_DISTANCES = {"visible": (31.0, 600.0), "faint": (4.4, 9.0), "hidden": (15.0, 60.0)}
+_DISTANCES = {"visible": (31.0, 600.0), "faint": (4.4, 9.0), "hidden": (20.0, 80.0)}
 """Visibilities that are drawn; of a hidden effect in the experiments that would show it."""
-_HIDDEN_BELOW = 3.2
+_HIDDEN, _HIDDEN_CLOSE = 2.9, 1.25
+"""... and in those that do not show it: below 4 with room for what is missed."""
 
 
 def make_case(
@@ -140,8 +141,8 @@ def _sized(
         return size_for(scene, effect, form, used, wanted, close), 0.0
     telling = size_for(scene, effect, form, further, wanted)
     found = of_size(scene, effect, form, used, telling.size)
-    if found.distance > _HIDDEN_BELOW:
-        found = size_for(scene, effect, form, used, _HIDDEN_BELOW / CLOSE)
+    if found.distance > _HIDDEN * _HIDDEN_CLOSE:
+        found = size_for(scene, effect, form, used, _HIDDEN, _HIDDEN_CLOSE)
         telling = of_size(scene, effect, form, further, found.size)
     return found, telling.distance
 

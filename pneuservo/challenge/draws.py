@@ -16,6 +16,8 @@ from pneuservo.rigs import Rig, load_rig
 USUAL_KINDS = ("sliding-mode", "relay", "proportional", "multilevel", "triangle", "hold")
 TELLING_KINDS = ("stop-test", "staircase", "triangle", "multilevel")
 """What is run after a hidden effect that every experiment shows alike."""
+QUIET_KINDS = ("regulation", "small-steps")
+"""What a servo does all day, and what shows little of it."""
 ADDED_MASS = 5.0
 """Load that is added in some runs [kg]."""
 _TRUE_SPREAD = 0.35
@@ -86,23 +88,19 @@ def draw_experiments(
     after a hidden effect two that would show it.
     """
     hidden = wish.visibility == "hidden" and wish.effects != ("none",)
-    chosen: list[str] = []
+    chosen = list(QUIET_KINDS) if hidden else []
     for effect in effects:
         telling = [kind for kind in effect.shown_by or USUAL_KINDS if kind not in chosen]
         if telling and not hidden:
             chosen.append(str(rng.choice(telling)))
-    shown_by = {kind for effect in effects for kind in effect.shown_by}
     others = [kind for kind in USUAL_KINDS if kind not in chosen]
-    order = [str(kind) for kind in rng.permutation(others)]
-    if hidden:
-        order.sort(key=lambda kind: kind in shown_by)
-    chosen += order
+    chosen += [str(kind) for kind in rng.permutation(others)]
     kinds = {"used-1": chosen[0], "used-2": chosen[1], "held-back-1": chosen[0]}
     if rng.integers(2):
         kinds["held-back-2"] = chosen[2]
     if hidden:
-        telling = [kind for kind in effects[0].shown_by or TELLING_KINDS if kind not in chosen[:2]]
-        for number, kind in enumerate((telling or list(TELLING_KINDS))[:2], 1):
+        telling = [*effects[0].shown_by, *TELLING_KINDS]
+        for number, kind in enumerate(list(dict.fromkeys(telling))[:2], 1):
             kinds[f"follow-up-{number}"] = kind
     plan, ids = {}, {effect.id for effect in effects}
     for name, kind in kinds.items():

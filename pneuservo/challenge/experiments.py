@@ -94,6 +94,17 @@ def _proportional(rng: np.random.Generator) -> tuple[Control, float]:
     return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 500.0)), demand[0]
 
 
+def _regulation(rng: np.random.Generator) -> tuple[Control, float]:
+    demand = np.full(round(DURATION / TICK), rng.uniform(8e-3, 22e-3))
+    return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 400.0)), demand[0]
+
+
+def _small_steps(rng: np.random.Generator) -> tuple[Control, float]:
+    middle, height = rng.uniform(8e-3, 22e-3), rng.uniform(1e-4, 4e-4)
+    demand = middle + height * (np.floor(_times() / 2.5) % 2.0)
+    return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 400.0)), middle
+
+
 def _triangle(rng: np.random.Generator) -> tuple[Control, float]:
     low, high = rng.uniform(3e-3, 7e-3), rng.uniform(21e-3, 26e-3)
     period = rng.uniform(5.0, 10.0)
@@ -142,6 +153,8 @@ KINDS: dict[str, Callable[[np.random.Generator], tuple[Control, float]]] = {
     "sliding-mode": _sliding_mode,
     "relay": _relay,
     "proportional": _proportional,
+    "regulation": _regulation,
+    "small-steps": _small_steps,
     "multilevel": _multilevel,
     "triangle": _triangle,
     "staircase": _staircase,

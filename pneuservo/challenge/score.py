@@ -121,6 +121,16 @@ _SHARES: tuple[tuple[str, tuple[str, ...], str, str, float | None], ...] = (
     ("missing channels", ("missing-channels",), "", "not too fine", 1.0),
     ("missing channels", ("missing-channels",), "visible", "class", None),
 )
+_LENIENT = {
+    "name first",
+    "name in the first two",
+    "nothing else named",
+    "both names",
+    "said not visible",
+    "right parameter",
+    "no false physics",
+    "unexplained",
+}
 _ONE_EFFECT = ("single", "noisy", "missing-channels")
 # Group, strata, figure, what is asked at most.
 _FIGURES: tuple[tuple[str, tuple[str, ...], str, float | None], ...] = (
@@ -204,12 +214,10 @@ def wrong(cases: Sequence[Judged]) -> list[Judged]:
     Right is what the case's own measures ask for; of the names of a single effect its class will
     do, and of a pair one of them.
     """
-    lenient = {"name first", "name in the first two", "both names", "said not visible",
-               "right parameter", "no false physics", "unexplained", "nothing else named"}  # fmt: skip
     return [
         case
         for case in cases
-        if any(not met for name, met in case.right.items() if name not in lenient)
+        if any(not met for name, met in case.right.items() if name not in _LENIENT)
     ]
 
 

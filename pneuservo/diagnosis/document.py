@@ -9,13 +9,16 @@ from pneuservo.diagnosis.diagnosis import Diagnosis
 from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
 from pneuservo.diagnosis.models import Case
+from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.search import SMALLEST_SHARE, UNDECIDED, Search
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
-from pneuservo.effects import CATALOGUE
+from pneuservo.effects import CATALOGUE, effect_by_id
 
 SCHEMA = 1
 WORTH_CORRECTING = 0.1
 """A parameter that moved by a smaller share of its tolerance is not worth correcting."""
+WHOLE_TOLERANCE = 1.0
+"""The same where long recordings tell every parameter better than its tolerance does."""
 
 
 def document(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -110,7 +113,7 @@ def _effects(search: Search) -> list[str]:
 
 
 def _parameters(search: Search, member: str) -> dict[str, dict[str, Any]]:
-    effect, chosen = CATALOGUE[member], search.chosen
+    effect, chosen = effect_by_id(member, search.model.kind), search.chosen
     found = {}
     for parameter in effect.parameters:
         key = effect.key(parameter.name)
@@ -133,7 +136,7 @@ def _derived(search: Search, member: str) -> dict[str, dict[str, Any]]:
 
 
 def _missing(search: Search, member: str) -> dict[str, Any]:
-    effect = CATALOGUE[member]
+    effect = effect_by_id(member, search.model.kind)
     rivals = search.rivals(member)
     own = next(rival for rival in rivals if rival.candidate == member)
     others = [rival for rival in rivals if rival.candidate not in (member, "")]
@@ -141,7 +144,7 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
     alike = [name for name in close if name in CATALOGUE]
     return {
         "effect": member,
-        "block": effect.block,
+        "block": _block(search, member),
         "statement": effect.statement,
         "equation": effect.equation,
         "parameters": _parameters(search, member) | _derived(search, member),
@@ -197,7 +200,8 @@ def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
     corrected = {}
     for key in diagnosis.model.fitted(case):
         parameter, (low, high) = case.rig.parameters[key], chosen.intervals[key]
-        moved = abs(chosen.shared[key] - parameter.value) > WORTH_CORRECTING * parameter.tolerance
+        worth = WHOLE_TOLERANCE if diagnosis.model.steady else WORTH_CORRECTING
+        moved = abs(chosen.shared[key] - parameter.value) > worth * parameter.tolerance
         if moved and not parameter.free and not low <= parameter.value <= high:
             corrected[key] = {
                 "value": chosen.shared[key],
@@ -227,7 +231,7 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
             regimes[block].append(words)
 
     for member, before, after in zip(search.accepted, fits, fits[1:], strict=False):
-        block = CATALOGUE[member].block if member in CATALOGUE else _block_of(search, member)
+        block = _block(search, member)
         drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
         blame(block, float(np.sum(drop)) / whole, drop)
     # What nothing explains belongs to the block whose output is judged.
@@ -249,9 +253,16 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return sorted(located, key=lambda entry: -entry["share"])
 
 
-def _block_of(search: Search, member: str) -> str:
-    """Return the block a loosened parameter belongs to: its id less the last part."""
-    return member.removeprefix("param.").rpartition(".")[0] or search.model.block
+def _block(search: Search, member: str) -> str:
+    """Return the block of an effect, or of a loosened parameter: its id less the last part."""
+    if member not in CATALOGUE:
+        return member.removeprefix("param.").rpartition(".")[0] or search.model.block
+    chosen, first = search.chosen, search.cases[0]
+    values = [
+        values_in(case, first, chosen.shared, own)
+        for case, own in zip(search.cases, chosen.own, strict=True)
+    ]
+    return search.model.block_of(effect_by_id(member, search.model.kind), search.cases, values)
 
 
 def _cannot_separate(
@@ -261,7 +272,8 @@ def _cannot_separate(
     groups += [lookalikes(diagnosis.search, parameter) for parameter in corrected]
     apart = []
     for group in groups:
-        named = [CATALOGUE[name].experiment for name in group if name in CATALOGUE]
+        kind = diagnosis.model.kind
+        named = [effect_by_id(name, kind).experiment for name in group if name in CATALOGUE]
         if len(group) > 1 and named:
             apart.append({"effects": group, "experiment": named[0]})
     return apart

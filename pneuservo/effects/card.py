@@ -11,6 +11,9 @@ _RIGS = (KIND,)
 _CIRCUIT = "circuit analysis of the stage; thesis chapter 9"
 _SHEET = "data sheet CA3140, Intersil FN957; circuit analysis of the stage"
 
+_LOSSES = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0, 7.0, 8.0, 9.0, 10.0)
+"""Close to each other: a limit that no sample reaches has no slope to start from [V]."""
+
 _STAGES = {1: ("first", "velocity"), 2: ("second", "acceleration")}
 
 
@@ -96,7 +99,7 @@ OPAMP_SLEW = Effect(
     equation="abs(dV/dt) <= 1/time, of every stage's op-amp; time = 0 is no limit",
     parameters=(
         EffectParameter(
-            "time", "s/V", 0.0, 0.0, 0.02, (5e-6, 5e-5, 5e-4), "one over the slew rate"
+            "time", "s/V", 0.0, 0.0, 2e-3, (5e-6, 2e-5, 1e-4, 5e-4), "one over the slew rate"
         ),
     ),
     source=_SHEET,
@@ -151,7 +154,7 @@ INTERMEDIATE_CLIPPING = Effect(
         "milliseconds; the model has the full swing."
     ),
     equation="abs(V1), abs(V2) <= swing - loss, until the charge that was missed is made good",
-    parameters=(EffectParameter("loss", "V", 0.0, 0.0, 15.0, (2.0, 6.0), "of swing, both signs"),),
+    parameters=(EffectParameter("loss", "V", 0.0, 0.0, 15.0, _LOSSES, "of swing, both signs"),),
     source=_CIRCUIT,
     experiment="step the transducer input and look at both taps",
 )
@@ -163,10 +166,10 @@ SUPPLY_SAG = Effect(
         "A supply of the card is lower than it should be, which lowers what every op-amp can "
         "give; the model has the nominal supplies."
     ),
-    equation="V <= swing - positive and V >= -(swing - negative) at every stage's op-amp",
+    equation="-(swing - drop - imbalance) <= V <= swing - drop at every stage's op-amp",
     parameters=(
-        EffectParameter("positive", "V", 0.0, 0.0, 15.0, (2.0, 6.0), "missing of the upper rail"),
-        EffectParameter("negative", "V", 0.0, 0.0, 15.0, (2.0, 6.0), "missing of the lower rail"),
+        EffectParameter("drop", "V", 0.0, 0.0, 15.0, _LOSSES, "missing of the upper rail"),
+        EffectParameter("imbalance", "V", 0.0, -15.0, 15.0, (0.0,), "more of the lower rail"),
     ),
     source=_CIRCUIT,
     experiment="measure both rails on the card while it works",

@@ -56,7 +56,7 @@ def headline(answer: dict[str, Any]) -> str:
     str
         The sentence.
     """
-    channel, fit = next(iter(answer["fit"]["channels"].items()))
+    channel, fit = _most_improved(answer["fit"]["channels"])
     name, unit = channel.replace("_", " "), fit["unit"]
     before, after = fit["before"]["used"], fit["after"]["used"]
     change = (
@@ -74,6 +74,14 @@ def headline(answer: dict[str, Any]) -> str:
         return answer["missing"][0]["statement"] + f" Left over: {quantity(after, unit)}."
     statements = " ".join(_claim(entry) for entry in answer["missing"])
     return f"{statements} With that in the model {change}."
+
+
+def _most_improved(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return the channel whose misfit falls most, and its figures."""
+    return max(
+        channels.items(),
+        key=lambda item: item[1]["before"]["used"] / max(item[1]["after"]["used"], 1e-300),
+    )
 
 
 def _claim(entry: dict[str, Any]) -> str:

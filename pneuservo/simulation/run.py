@@ -14,11 +14,13 @@ from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
 from pneuservo.plant.exponential import step_limit
 from pneuservo.plant.outputs import OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B, OUTPUTS
+from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
 from pneuservo.simulation.behavioural_card import run_behaviour
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import (
     LARGEST_STEP,
+    Samples,
     require_kind,
     require_samples,
     require_times,
@@ -133,13 +135,8 @@ def simulate(
     if behaviour is not None:
         outputs = run_behaviour(times, inputs, state, behaviour, law.sensitivity, plant, grid, step)
     else:
-        if law.source == CARD_TAPS:
-            state = with_card_at_rest(state, law)
-        step = min(float(largest_step), step_limit(plant, law))
-        outputs = single_run.run(times, inputs, state, law, plant, grid, step)
-    pressures = outputs[:, [OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B]]
-    states = outputs[:, : places.PLANT_STATES]
-    _require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
+        outputs = _run_baseline(times, inputs, state, law, plant, grid, largest_step)
+    _require_sound(times, outputs)
     columns = dict(zip(OUTPUTS, outputs.T, strict=True))
     return _result(rig, times, columns, controller, law, held, force)
 
@@ -213,6 +210,28 @@ def simulate_dead_volume(
         "dead_volume_pressure": pressure,
     }
     return Simulation(rig, times, channels)
+
+
+def _run_baseline(
+    times: Samples,
+    inputs: Samples,
+    state: Samples,
+    law: ControlLaw,
+    plant: SingleAxis,
+    grid: Samples,
+    largest_step: float,
+) -> Samples:
+    if law.source == CARD_TAPS:
+        state = with_card_at_rest(state, law)
+    step = min(float(largest_step), step_limit(plant, law))
+    outputs: Samples = single_run.run(times, inputs, state, law, plant, grid, step)
+    return outputs
+
+
+def _require_sound(times: Samples, outputs: Samples) -> None:
+    pressures = outputs[:, [OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B]]
+    states = outputs[:, : places.PLANT_STATES]
+    _require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
 
 
 def _step(largest_step: float, spool_frequency: float, law: ControlLaw) -> float:

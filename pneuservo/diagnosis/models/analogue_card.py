@@ -7,7 +7,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.card_feed import EDGE, CardFeed, card_feed, spectrum
+from pneuservo.diagnosis.models.card_feed import (
+    EDGE,
+    CardFeed,
+    card_feed,
+    signal_of,
+    spectrum,
+    without_noise,
+)
 from pneuservo.diagnosis.models.card_stages import (
     DIFFERENTIATORS,
     SENSITIVITY,
@@ -19,6 +26,7 @@ from pneuservo.diagnosis.models.card_stages import (
     surface,
 )
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.effects import Effect
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -53,8 +61,12 @@ _HEEDED = {
     ),
 }
 """Effects and rig parameters that a stage has, beside those that all have."""
+_OWN = "/"
+"""Stands between recording, stage and name of an unknown that only they have."""
 _KEPT = 6
 """Results kept per stage."""
+_LINEARITY = 2e-4
+"""What a recorder of 12 bit is linear to, of its range: no smaller misfit is the card's."""
 _NEAR_LIMIT = 0.8
 """Share of the swing from which on an op-amp's own limit can be told."""
 
@@ -75,6 +87,7 @@ class AnalogueCardModel(Model):
     unit: ClassVar[str] = "V"
     block: ClassVar[str] = "card.surface"
     required: ClassVar[tuple[str, ...]] = ("card_sensor",)
+    steady: ClassVar[bool] = True
 
     def require_channels(self, recording: Recording) -> None:
         """Refuse a recording that holds no stage whole, input and output."""
@@ -94,7 +107,11 @@ class AnalogueCardModel(Model):
         for channel in _whole_stages(recording):
             inputs = {"feed": feed, "weight": _weight(channel, feed), "done": {}}
             if channel in DIFFERENTIATORS:
-                inputs["transform"] = spectrum(feed.signals[DIFFERENTIATORS[channel][1]])
+                source = DIFFERENTIATORS[channel][1]
+                recorded = spectrum(feed.signals[source])
+                response = differentiator_response(channel, {}, feed, feed.frequency(feed.size))
+                inputs["recorded"] = signal_of(response * recorded, feed.size)
+                inputs["clean"] = without_noise(recorded, feed.noise[source])
             case = Case(
                 recording,
                 recording[channel],
@@ -115,51 +132,36 @@ class AnalogueCardModel(Model):
 
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return the errors of a stage that its parts' tolerances allow."""
-        feed: CardFeed = case.inputs["feed"]
-        figures, found = feed.nominal.figures, [_tolerated("amplifier_error", 0.5, 1.0)]
-        if case.channel in DIFFERENTIATORS:
-            found += [
-                _tolerated("gain_error", 0.03, 0.06),
-                _tolerated("lag_error", 0.035, 0.07),
-                _tolerated("offset", 0.007, 0.02, "V"),
-            ]
-        elif case.channel == "card_surface":
-            weights = {
-                "displacement": figures.weight_displacement,
-                "velocity": figures.weight_velocity,
-                "acceleration": figures.weight_acceleration,
-            }
-            spread = 6.5e-3 * (1.0 + sum(weights.values()))
-            found += [_tolerated(f"{state}_error", 0.015, 0.04) for state in weights]
-            found.append(_tolerated("offset", spread, 3.0 * spread, "V"))
-        else:
-            found += [
-                _tolerated("gain_error", 0.06, 0.18),
-                _tolerated("offset", 0.006, 0.018, "V"),
-                _tolerated("level_error", 0.03, 0.06),
-                _tolerated("asymmetry", 0.004, 0.012),
-                Unknown("softness", 1.0, 0.0, 1.6, 0.5),
-            ]
-            return found
-        limit = _NEAR_LIMIT * figures.surface_limit
-        signal = feed.signals[case.channel]
-        for name, most in (("upper_error", signal.max()), ("lower_error", -signal.min())):
-            if most > limit:
-                found.append(Unknown(name, 0.0, -0.7, 2.2, 1.0, "V"))
-        return found
+        # Each stage of each recording has names of its own, by which sensitivities are kept.
+        prefix = f"{case.recording.name}{_OWN}{case.channel}{_OWN}"
+        return [replace(error, key=prefix + error.key) for error in _errors(case)]
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged tap as its inputs, recorded, should make it [units of its noise]."""
         heeded = (*_EVERYWHERE, *_HEEDED[case.channel])
-        key = tuple(
-            sorted((k, v) for k, v in values.items() if "." not in k or k.startswith(heeded))
-        )
+        mine = {
+            key.rpartition(_OWN)[2]: value
+            for key, value in values.items()
+            if _OWN in key or key.startswith(heeded)
+        }
+        key = tuple(sorted(mine.items()))
         done: dict[object, Array] = case.inputs["done"]
         if key not in done:
             while len(done) >= _KEPT:
                 done.pop(next(iter(done)))
-            done[key] = _weighed(case, _stage(case, values))
+            done[key] = _weighed(case, _stage(case, mine))
         return done[key]
+
+    def imitate(
+        self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
+    ) -> list[Case]:
+        """Return the taps as a card without effects would have given them, with their noise."""
+        return [
+            replace(
+                case, measured=self.predict(case, mine) + rng.standard_normal(len(case.measured))
+            )
+            for case, mine in zip(cases, values, strict=True)
+        ]
 
     def suspects(
         self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
@@ -167,25 +169,26 @@ class AnalogueCardModel(Model):
         """Return the stages whose taps are wrong."""
         shares: dict[str, float] = {}
         for case, left, level in zip(cases, residuals, noise, strict=True):
-            excess = np.clip(left**2 - level**2, 0.0, None)
             if float(np.sum(left**2)) <= len(left) * level**2:
                 continue
-            if case.channel == "card_output":
-                inside = inside_layer(case.inputs["feed"])[case.usable]
-                parts = {
-                    "card.boundary-layer": float(np.sum(excess[inside])),
-                    "card.relay": float(np.sum(excess[~inside])),
-                }
-            elif case.channel == "card_surface":
-                parts = {"card.surface": float(np.sum(excess))}
-            else:
-                parts = {"card.differentiator": float(np.sum(excess))}
-            for block, part in parts.items():
+            excess = np.clip(left**2 - level**2, 0.0, None)
+            for block, part in _by_block(case, excess).items():
                 shares[block] = shares.get(block, 0.0) + part
         total = sum(shares.values())
         if total <= 0.0:
             return {self.block: 1.0}
         return {block: share / total for block, share in shares.items()}
+
+    def block_of(self, effect: Effect, cases: Sequence[Case], values: Sequence[Values]) -> str:
+        """Return the stage whose tap an effect changes most, where it may be any stage's."""
+        if effect.id not in _EVERYWHERE:
+            return effect.block
+        shares: dict[str, float] = {}
+        for case, mine in zip(cases, values, strict=True):
+            change = self.predict(case, mine) - self.predict(case, {**mine, **effect.neutral})
+            for block, part in _by_block(case, change[case.usable] ** 2).items():
+                shares[block] = shares.get(block, 0.0) + part
+        return max(shares, key=lambda block: shares[block])
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by the size of taps and output, and by time."""
@@ -221,6 +224,57 @@ class AnalogueCardModel(Model):
         return {**named, "time": case.recording.time}
 
 
+def _by_block(case: Case, energy: Array) -> dict[str, float]:
+    """Return the energy of a tap's usable samples by the block that they tell of."""
+    if case.channel in DIFFERENTIATORS:
+        return {"card.differentiator": float(np.sum(energy))}
+    if case.channel == "card_surface":
+        return {"card.surface": float(np.sum(energy))}
+    inside = inside_layer(case.inputs["feed"])[case.usable]
+    return {
+        "card.boundary-layer": float(np.sum(energy[inside])),
+        "card.relay": float(np.sum(energy[~inside])),
+    }
+
+
+def _errors(case: Case) -> list[Unknown]:
+    feed: CardFeed = case.inputs["feed"]
+    figures, found = feed.nominal.figures, [Unknown("amplifier_error", 0.0, -1.0, 2.0, 1.0)]
+    if case.channel == "card_output":
+        return [
+            *found,
+            _tolerated("gain_error", 0.06, 0.18),
+            _tolerated("offset", 0.006, 0.018, "V"),
+            _tolerated("level_error", 0.03, 0.06),
+            _tolerated("asymmetry", 0.004, 0.012),
+            Unknown("softness", 1.0, 0.0, 1.6, 0.5),
+        ]
+    if case.channel == "card_surface":
+        weights = {
+            "displacement": figures.weight_displacement,
+            "velocity": figures.weight_velocity,
+            "acceleration": figures.weight_acceleration,
+        }
+        spread = 6.5e-3 * (1.0 + sum(weights.values()))
+        found += [_tolerated(f"{state}_error", 0.015, 0.04) for state in weights]
+        found.append(_tolerated("offset", spread, 3.0 * spread, "V"))
+    else:
+        found += [
+            _tolerated("gain_error", 0.03, 0.06),
+            _tolerated("lag_error", 0.035, 0.07),
+            _tolerated("offset", 0.007, 0.02, "V"),
+        ]
+    low, high = feed.nominal.swing
+    signal = feed.signals[case.channel]
+    for name, reached in (
+        ("upper_error", signal.max() / high),
+        ("lower_error", signal.min() / low),
+    ):
+        if reached > _NEAR_LIMIT:
+            found.append(Unknown(name, 0.0, -0.7, 2.2, 1.0, "V"))
+    return found
+
+
 def _tolerated(name: str, sigma: float, most: float, unit: str = "") -> Unknown:
     return Unknown(name, 0.0, -most, most, sigma, unit)
 
@@ -236,7 +290,8 @@ def _whole_stages(recording: Recording) -> list[str]:
 def _stage(case: Case, values: Values) -> Array:
     feed: CardFeed = case.inputs["feed"]
     if case.channel in DIFFERENTIATORS:
-        return differentiator(case.channel, case.inputs["transform"], values, feed)
+        recorded, clean = case.inputs["recorded"], case.inputs["clean"]
+        return differentiator(case.channel, recorded, clean, values, feed)
     return surface(values, feed) if case.channel == "card_surface" else output(values, feed)
 
 
@@ -259,7 +314,9 @@ def _weight(channel: str, feed: CardFeed) -> Array:
         )
     else:
         passed = layer_gain(feed) * noise["card_surface"] * inside_layer(feed)
-    weight: Array = 1.0 / np.hypot(noise[channel], passed)
+    range_used = float(np.max(np.abs(feed.signals[channel])))
+    own = np.hypot(noise[channel], _LINEARITY * range_used)
+    weight: Array = 1.0 / np.hypot(own, passed)
     return weight
 
 

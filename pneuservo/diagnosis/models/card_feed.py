@@ -29,6 +29,11 @@ EDGE = 20
 _EXTENSION = 512
 """Samples at most by which a recording is continued, so that it can be taken as periodic."""
 
+_NEIGHBOURS = 9
+"""Frequencies whose power is taken together."""
+_MARGIN = 3.0
+"""Noise alone reaches this many times its own power once in some thousand frequencies."""
+
 
 @dataclass(frozen=True)
 class CardNominal:
@@ -42,6 +47,8 @@ class CardNominal:
         1/(2 pi gain-bandwidth product) of its op-amps [s].
     share : float
         Output for each volt of the op-amp ahead of the limiter [V/V].
+    swing : (float, float)
+        Lowest and highest output of an op-amp [V].
     overdrive, limited : (n,) array
         The limiter's curve: what it is asked for and what it gives, over the level [-].
     """
@@ -49,6 +56,7 @@ class CardNominal:
     figures: CardFigures
     amplifier_time: float
     share: float
+    swing: tuple[float, float]
     overdrive: Array
     limited: Array
 
@@ -152,6 +160,7 @@ def card_nominal(recording: Recording) -> CardNominal:
         figures,
         1.0 / (2.0 * np.pi * design.soldered.operational_amplifier.gain_bandwidth),
         share,
+        (float(stages.surface_swing[0]), float(stages.surface_swing[1])),
         wanted * share / figures.level,
         limited / figures.level,
     )
@@ -161,7 +170,9 @@ def card_nominal(recording: Recording) -> CardNominal:
     if "break_frequency" in given:
         both = (given.pop("break_frequency"),) * 2
         figures = replace(figures, velocity_breaks=both, acceleration_breaks=both)
-    return replace(nominal, figures=replace(figures, **given), share=1.0)
+    figures = replace(figures, **given)
+    swing = (-figures.surface_limit, figures.surface_limit)
+    return replace(nominal, figures=figures, share=1.0, swing=swing)
 
 
 def spectrum(signal: Array) -> Array:
@@ -172,6 +183,29 @@ def spectrum(signal: Array) -> Array:
     after = 2.0 * signal[-1] - signal[-2 : -extra - 2 : -1]
     before = 2.0 * signal[0] - signal[extra:0:-1]
     return np.fft.rfft(np.concatenate([signal, after * falling + before * (1.0 - falling)]))
+
+
+def without_noise(transform: Array, noise: float) -> Array:
+    """Return a transform of `spectrum` with the frequencies faded out that hold noise alone.
+
+    Parameters
+    ----------
+    transform : (m,) array
+        Of a recorded signal.
+    noise : float
+        Its noise, white [unit of the signal].
+
+    Notes
+    -----
+    Wiener's filter 1 - N/P, with some margin, as the power P is that of few neighbours.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    size = 2 * (len(transform) - 1)
+    power = uniform_filter1d(np.abs(transform) ** 2, _NEIGHBOURS, mode="nearest")
+    kept = np.clip(1.0 - _MARGIN * size * noise**2 / np.maximum(power, 1e-300), 0.0, 1.0)
+    clean: Array = transform * kept
+    return clean
 
 
 def signal_of(transform: Array, size: int) -> Array:

@@ -4,6 +4,9 @@ import numpy as np
 
 from pneuservo.plant.compilation import compiled
 
+DIVISIONS = 16
+"""Steps from one sample to the next, where an output slews."""
+
 
 @compiled
 def limited_differentiator(wanted, low, high, most_change, share):
@@ -36,12 +39,27 @@ def limited_differentiator(wanted, low, high, most_change, share):
 
 
 @compiled
-def limited_rate(wanted, most_change):
-    """Return a signal that follows another one by at most so much from sample to sample [V]."""
+def limited_rate(wanted, low, high, most_change):
+    """Return a signal within its swing that follows another one at a limited rate [V].
+
+    Parameters
+    ----------
+    wanted : (n,) array
+        Signal without limits, straight between its samples [V].
+    low, high : float
+        Swing [V].
+    most_change : float
+        Largest change from one sample to the next [V].
+    """
     output = np.empty_like(wanted)
-    last = wanted[0]
-    for k in range(wanted.size):
-        last = min(max(wanted[k], last - most_change), last + most_change)
+    last = min(max(wanted[0], low), high)
+    output[0] = last
+    step = most_change / DIVISIONS
+    for k in range(1, wanted.size):
+        for j in range(1, DIVISIONS + 1):
+            between = wanted[k - 1] + (wanted[k] - wanted[k - 1]) * j / DIVISIONS
+            goal = min(max(between, low), high)
+            last = min(max(goal, last - step), last + step)
         output[k] = last
     return output
 

@@ -24,15 +24,18 @@ _DEEP = 3.0
 """The output is at its level when the surface is so many times beyond the layer."""
 _LINEAR = 0.8
 """Share of the level below which the output is sure to follow the surface."""
+_CLEAR = 6.0
+"""A change of so many times the noise is one of the signal."""
 _ENOUGH = 10
 """Samples inside the layer that its gain is worked out from."""
 
 
 def swing(values: Values, feed: CardFeed) -> tuple[float, float]:
     """Return the lowest and the highest output of an op-amp of the card [V]."""
-    get, limit = values.get, feed.nominal.figures.surface_limit
-    high = limit + get("upper_error", 0.0) - get("card.supply-sag:positive", 0.0)
-    low = limit + get("lower_error", 0.0) - get("card.supply-sag:negative", 0.0)
+    get, (low, high) = values.get, feed.nominal.swing
+    drop = get("card.supply-sag:drop", 0.0)
+    high = high + get("upper_error", 0.0) - drop
+    low = get("lower_error", 0.0) - low - drop - get("card.supply-sag:imbalance", 0.0)
     return -max(low, 0.0), max(high, 0.0)
 
 
@@ -65,36 +68,48 @@ def differentiator_response(
     return response
 
 
-def differentiator(channel: str, transform: Array, values: Values, feed: CardFeed) -> Array:
+def differentiator(
+    channel: str, recorded: Array, clean: Array, values: Values, feed: CardFeed
+) -> Array:
     """Return the tap of a differentiator [V].
 
     Parameters
     ----------
     channel : str
         The tap.
-    transform : (m,) array
-        `spectrum` of what was measured at its input.
+    recorded : (n,) array
+        The tap as the nominal stage makes it of its recorded input, noise and all [V].
+    clean : (m,) array
+        `spectrum` of that input without noise.
     values : mapping of str to float
         Errors and effects.
     feed : CardFeed
         The recording.
+
+    Notes
+    -----
+    Errors and effects act on the input without noise: a stage that passes less of the noise
+    would otherwise seem the better one.
     """
     stage, _ = DIFFERENTIATORS[channel]
-    response = differentiator_response(channel, values, feed, feed.frequency(feed.size))
-    tap = signal_of(response * transform, feed.size)
-    tap = tap + values.get("offset", 0.0) + values.get(f"card.offset:differentiator_{stage}", 0.0)
+    frequency = feed.frequency(feed.size)
+    response = differentiator_response(channel, values, feed, frequency)
+    nominal = differentiator_response(channel, {}, feed, frequency)
+    shift = values.get("offset", 0.0) + values.get(f"card.offset:differentiator_{stage}", 0.0)
+    tap = signal_of(response * clean, feed.size) + shift
     low, high = swing(values, feed)
     loss = values.get("card.intermediate-clipping:loss", 0.0)
     figures = feed.nominal.figures
     constant = figures.rc_velocity if stage == 1 else figures.rc_acceleration
-    limited: Array = limited_differentiator(
+    limited = limited_differentiator(
         tap,
         min(low + loss, 0.0),
         max(high - loss, 0.0),
         _most_change(values, feed),
         feed.interval / constant,
     )
-    return limited
+    changed: Array = recorded + limited - signal_of(nominal * clean, feed.size)
+    return changed
 
 
 def surface(values: Values, feed: CardFeed) -> Array:
@@ -118,9 +133,14 @@ def surface(values: Values, feed: CardFeed) -> Array:
         + get("card.offset:surface", 0.0)
     )
     total = total + _hum(values, feed)
-    total = _late(total, _amplifier_time(values, feed) * (1.0 + sum(weights)), feed)
-    total = np.clip(total, *swing(values, feed))
-    limited: Array = limited_rate(total, _most_change(values, feed))
+    passed = [feed.noise[name] for name in ("card_sensor", "card_velocity", "card_acceleration")]
+    noise = float(np.linalg.norm(np.multiply(weights, passed)))
+    total = _late(total, _amplifier_time(values, feed) * (1.0 + sum(weights)), noise, feed)
+    low, high = swing(values, feed)
+    change = _most_change(values, feed)
+    limited: Array = (
+        np.clip(total, low, high) if np.isinf(change) else limited_rate(total, low, high, change)
+    )
     return limited
 
 
@@ -138,13 +158,11 @@ def output(values: Values, feed: CardFeed) -> Array:
     if width:
         signal = with_hysteresis(signal, width)
     lag = _amplifier_time(values, feed) * gain / share
-    wanted = gain * _late(signal, lag, feed)
+    wanted = gain * _late(signal, lag, feed.noise["card_surface"], feed)
     low, high = swing(values, feed)
-    slew = get("card.opamp-slew:time", 0.0)
-    if slew:
-        wanted = limited_rate(
-            np.clip(wanted, low * share, high * share), share * _most_change(values, feed)
-        )
+    change = _most_change(values, feed)
+    if np.isfinite(change):
+        wanted = limited_rate(wanted, low * share, high * share, share * change)
     level = figures.level * (1.0 + get("level_error", 0.0))
     sides = []
     for sign, name, reach in ((1.0, "positive", high), (-1.0, "negative", -low)):
@@ -200,16 +218,17 @@ def _hum(values: Values, feed: CardFeed) -> Array | float:
     return hum
 
 
-def _late(signal: Array, lag: float, feed: CardFeed) -> Array:
+def _late(signal: Array, lag: float, noise: float, feed: CardFeed) -> Array:
     """Return a signal behind a lag that is short against the sampling interval.
 
-    Where it jumps between two samples nothing is known of the moment: there it is left alone.
+    Where it jumps between two samples nothing is known of the moment, and where it changes by
+    no more than its noise nothing of its slope: there it is left alone.
     """
     change = np.diff(signal, prepend=signal[:1])
     following = np.append(change[1:], 0.0)
     smaller = np.where(np.abs(change) < np.abs(following), change, following)
-    steady = np.where(change * following > 0.0, smaller, 0.0)
-    late: Array = signal - min(lag / feed.interval, 1.0) * steady
+    steady = (change * following > 0.0) & (np.abs(smaller) > _CLEAR * noise)
+    late: Array = signal - min(lag / feed.interval, 1.0) * np.where(steady, smaller, 0.0)
     return late
 
 

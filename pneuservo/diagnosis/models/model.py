@@ -154,6 +154,10 @@ class Model:
         """Return the blocks that what is left may belong to, with their shares of it."""
         return {self.block: 1.0}
 
+    def block_of(self, effect: Effect, cases: Sequence[Case], values: Sequence[Values]) -> str:
+        """Return the block where an effect of this size acts, which may be one of several."""
+        return effect.block
+
     def derived(
         self, case: Case, effect: str
     ) -> dict[str, tuple[str, Callable[[Values, Values], float]]]:

@@ -168,7 +168,14 @@ def fed_motion(drive, elapsed):
 
 
 @compiled
-def _write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
+def write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
+    """Write the rates of the spool: none at the end of its travel.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, elapsed, servo, rate
+        As in `derivative`.
+    """
     rate[SPOOL], rate[SPOOL_RATE] = 0.0, 0.0
     if modes[SPOOL_LIMIT] != SPOOL_FREE:
         return
@@ -260,6 +267,6 @@ def derivative(state, modes, memory, rows, drive, elapsed, servo, grid, rate):
     if fed.spool:
         rate[SPOOL], rate[SPOOL_RATE] = drive[1, FED_SPOOL], 0.0
     else:
-        _write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate)
+        write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate)
     if servo.law.source == CARD_TAPS:
         _write_card_rates(state, servo, rate)

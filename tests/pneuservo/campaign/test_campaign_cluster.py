@@ -13,7 +13,7 @@ from pneuservo.command_line import main
 
 def test_an_address_without_a_scheduler_is_refused(monkeypatch, arguments):
     monkeypatch.setattr("pneuservo.campaign.cluster._PATIENCE", 0.5)
-    for address in ("tcp://127.0.0.1:9", "nowhere"):
+    for address in ("tcp://127.0.0.1:9", "nowhere", "ftp://nowhere:1"):
         done = CliRunner().invoke(main, ["campaign", *arguments, "--cluster", address])
         assert done.exit_code == 2, done.output
         assert "no scheduler answers" in done.output

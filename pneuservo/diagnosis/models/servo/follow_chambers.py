@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.servo.chain import _write_spool_rates
+from pneuservo.plant.servo.chain import write_spool_rates
 from pneuservo.plant.servo.layout import (
     COMMAND,
     INPUTS,
@@ -146,7 +146,7 @@ def _step(
         state[DISPLACEMENT] = before[0] + share * (after[0] - before[0])
         state[VELOCITY] = before[1] + share * (after[1] - before[1])
         pneumatic_rates(state, state[VELOCITY], memory, rows, drive, at, servo, grid, rate)
-        _write_spool_rates(state, modes, memory, rows, drive, at, servo, rate)
+        write_spool_rates(state, modes, memory, rows, drive, at, servo, rate)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         for i in range(PRESSURE_A, state.shape[0]):
             if i < CARD_LAGGED_1 or i >= STATES_WITH_CARD:
