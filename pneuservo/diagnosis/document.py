@@ -142,6 +142,7 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
     others = [rival for rival in rivals if rival.candidate not in (member, "")]
     close = [r.candidate for r in others if r.evidence < own.evidence + UNDECIDED]
     alike = [name for name in close if name in CATALOGUE]
+    alike += [name for name in search.alike(member) if name not in alike]
     return {
         "effect": member,
         "block": _block(search, member),
@@ -215,6 +216,8 @@ def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
 def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Share out what the baseline leaves unexplained over the blocks that turned out guilty."""
     search = diagnosis.search
+    if diagnosis.verdict == "parameter" and search.model.steady:
+        return _located_parameters(search)
     fits = [search.baseline]
     for member in search.accepted:
         fits.append(search.fitted(fits[-1].hypothesis.adding(member)))
@@ -236,7 +239,9 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         blame(block, float(np.sum(drop)) / whole, drop)
     # What nothing explains belongs to the block whose output is judged.
     rest = max(0.0, 1.0 - sum(shares.values()))
-    if rest > SMALLEST_SHARE or not shares:
+    # Where the noise is known to a fifth only, a small excess over it is nobody's fault.
+    blames_rest = diagnosis.structure_remains if search.model.steady else rest > SMALLEST_SHARE
+    if blames_rest or not shares:
         left = search.chosen.residuals
         for block, part in search.model.suspects(search.cases, left, search.noise).items():
             blame(block, rest * part, np.concatenate(left) ** 2)
@@ -251,6 +256,24 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         for block, share in shares.items()
     ]
     return sorted(located, key=lambda entry: -entry["share"])
+
+
+def _located_parameters(search: Search) -> list[dict[str, Any]]:
+    """Share out a mismatch over wrong parameters by how far each was off, in tolerances.
+
+    The re-fitted baseline explains it already, so that nothing is left to be shared out.
+    """
+    rig, values = search.cases[0].rig, search.chosen.shared
+    keys = [member.removeprefix("param.") for member in search.accepted]
+    off = [((values[key] - rig[key]) / rig.parameters[key].tolerance) ** 2 for key in keys]
+    shares: dict[str, float] = {}
+    for member, size in zip(search.accepted, off, strict=True):
+        block = _block(search, member)
+        shares[block] = shares.get(block, 0.0) + size / sum(off)
+    return [
+        {"block": block, "share": share, "regime": "throughout the recordings"}
+        for block, share in sorted(shares.items(), key=lambda item: -item[1])
+    ]
 
 
 def _block(search: Search, member: str) -> str:

@@ -330,36 +330,76 @@ class Search:
         tried = {name: self.fitted(current.hypothesis.adding(name), current) for name in names}
         if not tried:
             return None
-        closest = min(tried.values(), key=lambda f: f.rms)
-        effective = closest.effective
+        effective = min(tried.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in tried.items()}
-        lowest = min(evidence.values())
-        name = next(n for n in self.candidates if n in tried and evidence[n] < lowest + TIED)
-        drop = current.evidence(effective) - evidence[name]
-        gain = current.samples * (current.rms**2 - tried[name].rms ** 2)
-        share = gain / max(self._unexplained(self.baseline), 1e-300)
-        matters = share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)
-        if self.model.steady:
-            # In the weights of the closer fit: a misfit that it removes no longer counts as noise.
-            closer = tried[name]
-            before, after = (closer.weigh(f.residuals) for f in (current, closer))
-            gain = float(np.sum(before**2) - np.sum(after**2))
-            matters = gain > max(LEAST_GAIN, OVER_IMITATIONS * self._pretended(name))
-            # Where the named law and the real one differ in form a little is always left.
-            matters = matters and (not self.accepted or share > SECOND_SHARE)
-        # A refit may already have moved a parameter far out of its tolerance: freeing it then
-        # explains nothing more, but says what is wrong.
-        is_parameter = name.startswith("param.")
-        decisive = UNDECIDED if is_parameter and self.model.steady else DECISIVE
-        earned = drop > decisive and (matters or is_parameter)
+        drop = {name: current.evidence(effective) - value for name, value in evidence.items()}
+        earning = [name for name in tried if self._earns(name, current, tried[name], drop[name])]
+        if self.model.steady and earning:
+            # A flexible candidate that explains little must not shield one that earns its place.
+            evidence = {name: evidence[name] for name in earning}
+        name = self._first_choice(evidence, current, tried)
         self.ledger.append(
             Step(
                 current.hypothesis.members,
                 name,
-                earned,
-                evidence_drop=drop,
-                share=share,
+                name in earning,
+                evidence_drop=drop[name],
+                share=self._share_gained(current, tried[name]),
                 rms={n: f.rms for n, f in tried.items()},
             )
         )
-        return name if earned else None
+        return name if name in earning else None
+
+    def _first_choice(
+        self, evidence: Mapping[str, float], current: Fit, tried: Mapping[str, Fit]
+    ) -> str:
+        """Return the candidate to be named: the simplest of those that explain as much."""
+        lowest = min(evidence, key=evidence.__getitem__)
+        if not self.model.steady:
+            limit = evidence[lowest] + TIED
+            return next(n for n in self.candidates if n in evidence and evidence[n] < limit)
+        share = {name: self._share_gained(current, tried[name]) for name in evidence}
+        alike = [name for name in evidence if share[name] > (1.0 - SECOND_SHARE) * share[lowest]]
+        return min(alike or [lowest], key=lambda name: (tried[name].unknowns, evidence[name]))
+
+    def alike(self, member: str) -> list[str]:
+        """Return the effects that, in place of a member, explain nearly as much of the mismatch.
+
+        Laws in a catalogue are not quite those of the real thing: what they leave to choose
+        between two of them by is no more than that. Only for a model with steady sensitivities.
+        """
+        if not self.model.steady:
+            return []
+        rest, others = self._in_place_of(member)
+        own = self._share_gained(rest, others[member])
+        return [
+            name
+            for name, found in others.items()
+            if name != member
+            and not name.startswith("param.")
+            and self._share_gained(rest, found) > (1.0 - SECOND_SHARE) * own
+        ]
+
+    def _share_gained(self, current: Fit, closer: Fit) -> float:
+        """Return the share of what the baseline leaves unexplained that a closer fit explains."""
+        gain = current.samples * (current.rms**2 - closer.rms**2)
+        return gain / max(self._unexplained(self.baseline), 1e-300)
+
+    def _earns(self, name: str, current: Fit, closer: Fit, drop: float) -> bool:
+        """Return whether a candidate earns its place beside what is already accepted."""
+        # A refit may already have moved a parameter far out of its tolerance: freeing it then
+        # explains nothing more, but says what is wrong.
+        if name.startswith("param."):
+            return drop > (UNDECIDED if self.model.steady else DECISIVE)
+        if drop <= DECISIVE:
+            return False
+        share = self._share_gained(current, closer)
+        if self.model.steady:
+            # In the weights of the closer fit: a misfit that it removes no longer counts as noise.
+            before, after = (closer.weigh(f.residuals) for f in (current, closer))
+            gain = float(np.sum(before**2) - np.sum(after**2))
+            # Where the named law and the real one differ in form a little is always left.
+            enough = not self.accepted or share > SECOND_SHARE
+            return enough and gain > max(LEAST_GAIN, OVER_IMITATIONS * self._pretended(name))
+        gain = current.samples * (current.rms**2 - closer.rms**2)
+        return share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)

@@ -153,8 +153,14 @@ INTERMEDIATE_CLIPPING = Effect(
         "A differentiator's output is cut off below the swing of its op-amp, and stays wrong for "
         "milliseconds; the model has the full swing."
     ),
-    equation="abs(V1), abs(V2) <= swing - loss, until the charge that was missed is made good",
-    parameters=(EffectParameter("loss", "V", 0.0, 0.0, 15.0, _LOSSES, "of swing, both signs"),),
+    equation=(
+        "-(swing - loss - imbalance) <= V1, V2 <= swing - loss, until the charge that was missed "
+        "is made good"
+    ),
+    parameters=(
+        EffectParameter("loss", "V", 0.0, 0.0, 15.0, _LOSSES, "of the upper swing"),
+        EffectParameter("imbalance", "V", 0.0, -15.0, 15.0, (0.0,), "more of the lower swing"),
+    ),
     source=_CIRCUIT,
     experiment="step the transducer input and look at both taps",
 )

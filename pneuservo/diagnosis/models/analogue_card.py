@@ -112,13 +112,16 @@ class AnalogueCardModel(Model):
                 response = differentiator_response(channel, {}, feed, feed.frequency(feed.size))
                 inputs["recorded"] = signal_of(response * recorded, feed.size)
                 inputs["clean"] = without_noise(recorded, feed.noise[source])
+            unusable = feed.unusable(channel, *_STAGES[channel])
+            if "demand" in _STAGES[channel]:
+                unusable |= feed.jumps()
             case = Case(
                 recording,
                 recording[channel],
                 inputs,
                 1.0,
                 rig,
-                ~feed.unusable(channel, *_STAGES[channel]),
+                ~unusable,
                 channel,
                 "V",
                 feed.noise[channel],
@@ -197,8 +200,7 @@ class AnalogueCardModel(Model):
         elapsed = np.arange(feed.size)
         found = {"in the last third of the recording": elapsed > 2 * feed.size // 3}
         if "demand" in signals:
-            jumps = np.abs(np.diff(signals["demand"], prepend=signals["demand"][:1])) > 1e-4
-            after = np.convolve(jumps, np.ones(EDGE))[: len(jumps)] > 0.5
+            after = np.convolve(feed.jumps(), np.ones(EDGE))[: feed.size] > 0.5
             found["just after a jump of the demand"] = after
         limit = _NEAR_LIMIT * figures.surface_limit
         for channel, phrase in (
@@ -305,7 +307,8 @@ def _weight(channel: str, feed: CardFeed) -> Array:
     if channel in DIFFERENTIATORS:
         source = DIFFERENTIATORS[channel][1]
         frequency = np.pi * np.arange(feed.size - 2 * EDGE) / (feed.size - 2 * EDGE) / feed.interval
-        passed = np.abs(differentiator_response(channel, {}, feed, frequency)) * noise[source]
+        response = differentiator_response(channel, {}, feed, frequency)
+        passed = np.asarray(np.abs(response) * noise[source], np.float64)
     elif channel == "card_surface":
         passed = np.sqrt(
             (figures.weight_displacement * noise["card_sensor"]) ** 2
@@ -313,7 +316,7 @@ def _weight(channel: str, feed: CardFeed) -> Array:
             + (figures.weight_acceleration * noise["card_acceleration"]) ** 2
         )
     else:
-        passed = layer_gain(feed) * noise["card_surface"] * inside_layer(feed)
+        passed = np.where(inside_layer(feed), layer_gain(feed) * noise["card_surface"], 0.0)
     range_used = float(np.max(np.abs(feed.signals[channel])))
     own = np.hypot(noise[channel], _LINEARITY * range_used)
     weight: Array = 1.0 / np.hypot(own, passed)

@@ -1,6 +1,7 @@
 """A recording of the card's taps, as its stages are fed with it."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 
 Array = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
 
 CHANNELS = (
     "card_sensor",
@@ -26,9 +28,15 @@ CHANNELS = (
 )
 EDGE = 20
 """Samples at either end, and round a missing one, whose past or future was not recorded."""
+_FEWEST = 200
+"""Samples below which the ends would be most of a recording."""
 _EXTENSION = 512
 """Samples at most by which a recording is continued, so that it can be taken as periodic."""
 
+_SUDDEN = 10.0
+"""A jump is so many times what is usual between samples round it ..."""
+_LEAST_JUMP = 1e-4
+"""... and no less than this [m]."""
 _NEIGHBOURS = 9
 """Frequencies whose power is taken together."""
 _MARGIN = 3.0
@@ -92,7 +100,8 @@ class CardFeed:
 
     def frequency(self, size: int) -> Array:
         """Return the angular frequencies of the `spectrum` of so many samples [1/s]."""
-        return 2.0 * np.pi * np.fft.rfftfreq(_extended_size(size), self.interval)
+        hertz = np.fft.rfftfreq(_extended_size(size), self.interval)
+        return np.asarray(2.0 * np.pi * hertz, np.float64)
 
     def unusable(self, *channels: str) -> NDArray[np.bool_]:
         """Return the samples that some channels cannot be judged at or fed from."""
@@ -102,6 +111,16 @@ class CardFeed:
         spread = np.convolve(bad, np.ones(2 * EDGE + 1), mode="same") > 0.5
         spread[:EDGE] = spread[-EDGE:] = True
         return spread
+
+    def jumps(self) -> NDArray[np.bool_]:
+        """Return the samples next to a jump of the demand.
+
+        Recorder and demand keep no common time: there a tap may be the one before or after.
+        """
+        change = np.abs(np.diff(self.signals["demand"], prepend=self.signals["demand"][:1]))
+        usual = np.median(np.lib.stride_tricks.sliding_window_view(np.pad(change, 5), 11), axis=1)
+        jump = change > np.maximum(_SUDDEN * usual, _LEAST_JUMP)
+        return np.convolve(jump, np.ones(3), mode="same") > 0.5
 
 
 def card_feed(recording: Recording) -> CardFeed:
@@ -115,9 +134,14 @@ def card_feed(recording: Recording) -> CardFeed:
     Raises
     ------
     InputError
-        When its samples are not evenly spaced, or its design file cannot be used.
+        When its samples are too few or not evenly spaced, or its design file cannot be used.
     """
     time = recording.time
+    if len(time) < _FEWEST:
+        raise InputError(
+            f"{recording.source or recording.name}: rig 'analogue-card' needs at least {_FEWEST} "
+            f"samples; the recording has {len(time)}. Record longer, or at a higher rate"
+        )
     steps = np.diff(time)
     interval = float(np.median(steps))
     uneven = np.flatnonzero(np.abs(steps - interval) > 0.2 * interval)
@@ -164,7 +188,7 @@ def card_nominal(recording: Recording) -> CardNominal:
         wanted * share / figures.level,
         limited / figures.level,
     )
-    given = {key: float(value) for key, value in table.items() if key != "design"}
+    given: dict[str, Any] = {key: float(value) for key, value in table.items() if key != "design"}
     if not given:
         return nominal
     if "break_frequency" in given:
@@ -175,7 +199,7 @@ def card_nominal(recording: Recording) -> CardNominal:
     return replace(nominal, figures=figures, share=1.0, swing=swing)
 
 
-def spectrum(signal: Array) -> Array:
+def spectrum(signal: Array) -> Spectrum:
     """Return the Fourier transform of a signal that is continued smoothly into its own start."""
     size, n = _extended_size(len(signal)), len(signal)
     extra = size - n
@@ -185,7 +209,7 @@ def spectrum(signal: Array) -> Array:
     return np.fft.rfft(np.concatenate([signal, after * falling + before * (1.0 - falling)]))
 
 
-def without_noise(transform: Array, noise: float) -> Array:
+def without_noise(transform: Spectrum, noise: float) -> Spectrum:
     """Return a transform of `spectrum` with the frequencies faded out that hold noise alone.
 
     Parameters
@@ -204,11 +228,11 @@ def without_noise(transform: Array, noise: float) -> Array:
     size = 2 * (len(transform) - 1)
     power = uniform_filter1d(np.abs(transform) ** 2, _NEIGHBOURS, mode="nearest")
     kept = np.clip(1.0 - _MARGIN * size * noise**2 / np.maximum(power, 1e-300), 0.0, 1.0)
-    clean: Array = transform * kept
+    clean: Spectrum = transform * kept
     return clean
 
 
-def signal_of(transform: Array, size: int) -> Array:
+def signal_of(transform: Spectrum, size: int) -> Array:
     """Return the signal behind a transform of `spectrum`."""
     whole: Array = np.fft.irfft(transform, _extended_size(size))
     return whole[:size]

@@ -6,7 +6,7 @@ Values are those of a fit: a stage's own small errors, and the parameters of eff
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.card_feed import CardFeed, signal_of, spectrum
+from pneuservo.diagnosis.models.card_feed import CardFeed, Spectrum, signal_of
 from pneuservo.diagnosis.models.card_kernels import (
     limited_differentiator,
     limited_rate,
@@ -41,7 +41,7 @@ def swing(values: Values, feed: CardFeed) -> tuple[float, float]:
 
 def differentiator_response(
     channel: str, values: Values, feed: CardFeed, frequency: Array
-) -> Array:
+) -> Spectrum:
     """Return the complex gain of a differentiator over angular frequency [1/s].
 
     Notes
@@ -64,12 +64,12 @@ def differentiator_response(
     leak = get(f"card.capacitor-leak:{'first' if first else 'second'}", 0.0)
     tau = [1.0 / (2.0 * np.pi * frequency) for frequency in breaks]
     ideal = -(s * constant * size + leak) / ((1.0 + s * tau[0] * size) * (1.0 + s * tau[1] * lag))
-    response: Array = ideal / (1.0 + s * _amplifier_time(values, feed) * (1.0 - ideal))
+    response: Spectrum = ideal / (1.0 + s * _amplifier_time(values, feed) * (1.0 - ideal))
     return response
 
 
 def differentiator(
-    channel: str, recorded: Array, clean: Array, values: Values, feed: CardFeed
+    channel: str, recorded: Array, clean: Spectrum, values: Values, feed: CardFeed
 ) -> Array:
     """Return the tap of a differentiator [V].
 
@@ -99,11 +99,12 @@ def differentiator(
     tap = signal_of(response * clean, feed.size) + shift
     low, high = swing(values, feed)
     loss = values.get("card.intermediate-clipping:loss", 0.0)
+    imbalance = values.get("card.intermediate-clipping:imbalance", 0.0)
     figures = feed.nominal.figures
     constant = figures.rc_velocity if stage == 1 else figures.rc_acceleration
     limited = limited_differentiator(
         tap,
-        min(low + loss, 0.0),
+        min(low + loss + imbalance, 0.0),
         max(high - loss, 0.0),
         _most_change(values, feed),
         feed.interval / constant,
@@ -241,17 +242,3 @@ def _amplifier_time(values: Values, feed: CardFeed) -> float:
 def _most_change(values: Values, feed: CardFeed) -> float:
     time = values.get("card.opamp-slew:time", 0.0)
     return feed.interval / time if time > 0.0 else np.inf
-
-
-__all__ = [
-    "DIFFERENTIATORS",
-    "SENSITIVITY",
-    "differentiator",
-    "differentiator_response",
-    "inside_layer",
-    "layer_gain",
-    "output",
-    "spectrum",
-    "surface",
-    "swing",
-]

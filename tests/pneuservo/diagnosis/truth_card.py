@@ -1,7 +1,8 @@
 """Recordings of the card's taps, made for tests: ngspice on the card's netlists.
 
-One channel on its supply. The transducer moves by three sines, which keep every op-amp of a
-healthy card within its swing, and the demand is switched, which drives the output to both levels.
+One channel on its supply. The transducer moves by three sines, from their tops so that nothing
+jumps; they keep every op-amp of a healthy card within its swing. The demand is switched, which
+drives the output to both levels.
 """
 
 import tempfile
@@ -15,7 +16,7 @@ from analog_card.behaviour_elements import PLACES
 from analog_card.ngspice import Session, Transient
 from pneuservo.recordings import Recording
 
-RATE, LEAD_IN, DURATION = 10e3, 0.06, 0.15
+RATE, LEAD_IN, DURATION = 10e3, 0.01, 0.12
 NOISE = 2e-3
 NODES = ("transducer", "demand", "velocity", "acceleration", "surface", "control")
 CHANNELS = (
@@ -33,12 +34,13 @@ CIRCUIT = """one channel that a moving transducer and a switched demand drive
 .include {root}/stages/channel.lib
 Xsupply vcc vee supply
 Vrest resting 0 5
-Vslow slow resting sin(0 2 3)
-Vmiddle middle slow sin(0 1 17)
-Vfast transducer middle sin(0 0.35 60)
+Vslow slow resting sin(0 2 3 0 0 90)
+Vmiddle middle slow sin(0 1 17 0 0 90)
+Vfast transducer middle sin(0 0.35 60 0 0 90)
 Vdemand demand 0 pulse(4 6 20m 50u 50u 60m 120m)
 Xone transducer demand velocity acceleration surface control vcc vee channel
-+ p1={{displacement_weight}} p2={{velocity_weight}} p3={{boundary_layer_setting}} p4={{level_setting}}
++ p1={{displacement_weight}} p2={{velocity_weight}}
++ p3={{boundary_layer_setting}} p4={{level_setting}}
 Rleak xone.displacement xone.xtaps.xvelocity.series 1t
 .options method=gear reltol=1e-4
 .tran 40u 300m 0 40u
@@ -56,7 +58,7 @@ FAULTS = {
     "offset of the first differentiator": {"xone.xtaps.xvelocity.xamplifier.xcore.voffset": 0.05},
     "wiper of P1": {"xone.xsurface.xdisplacement.xpotentiometer.rwiper": 20e3},
     "asymmetric clamp": {"xone.xlimiter.dlower[bv]": 5.0},
-    "supplies of 11 V": {"xsupply.vpositive": 11.0, "xsupply.vnegative": 11.0},
+    "supplies of 10 V": {"xsupply.vpositive": 10.0, "xsupply.vnegative": 10.0},
     "slow op-amps": {
         f"xone.{place}.xamplifier.xcore.{element}": value
         for place in PLACES.values()
