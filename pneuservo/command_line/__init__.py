@@ -12,6 +12,7 @@ _COMMANDS = {
     "bench-tune": "Tune a card by its step response: P1 and P2, then P3.",
     "calibrate": "Calibrate a valve or a leak from the pressure of a dead volume.",
     "campaign": "Run a closed loop over grids and distributions of any of its numbers.",
+    "catalogue": "List the physics that the diagnosis can name.",
     "challenge": "Put the diagnosis on trial: conceal effects, diagnose blindly, score.",
     "demo": "The main job end to end: tune, simulate, close the loop, diagnose, report.",
     "design": "Design a sliding-mode controller: weights, boundary layer, level, reachability.",

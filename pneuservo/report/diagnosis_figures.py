@@ -43,7 +43,9 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     shown = [("used", worst, search.cases[worst], search.baseline, search.chosen)]
     if diagnosis.before_held_back and diagnosis.after_held_back:
         pair = (diagnosis.before_held_back, diagnosis.after_held_back)
-        shown.append(("held back", 0, diagnosis.held_back[0], *pair))
+        channel = search.cases[worst].channel
+        same = next(i for i, case in enumerate(diagnosis.held_back) if case.channel == channel)
+        shown.append(("held back", same, diagnosis.held_back[same], *pair))
     curves = [
         (
             f"{case.recording.title or case.recording.name} ({role})",
@@ -67,8 +69,9 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
 
 def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], index: int) -> None:
     above, below = axes
-    scale, unit = _DISPLAY[diagnosis.model.unit]
-    name = diagnosis.model.channel.replace("_", " ")
+    factor, unit = _DISPLAY[case.unit]
+    scale = factor * case.scale
+    name = case.channel.replace("_", " ")
     window = diagnosis.model.closeup(case)
     time = case.recording.time
     above.plot(
@@ -121,7 +124,15 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
         )
         axes.add_patch(box)
         label = f"{block}\n{guilty:.0%} of the mismatch" if guilty else block
-        axes.text(place * 1.5 + 0.55, 0.3, label, ha="center", va="center", color=ink, fontsize=9)
+        axes.text(
+            place * 1.5 + 0.55,
+            0.3,
+            label,
+            ha="center",
+            va="center",
+            color=ink,
+            fontsize=9 if len(chain) < 6 else 7,
+        )
         if place:
             axes.annotate(
                 "",
@@ -137,8 +148,11 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
 
 
 def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None:
-    scale, unit = _DISPLAY[diagnosis.model.unit]
     search = diagnosis.search
+    scale, unit = _DISPLAY[diagnosis.model.unit]
+    if search.model.steady:
+        # Several channels, each in units of its noise.
+        scale, unit = 1.0, "noise"
     rows = [("baseline, re-fitted", search.baseline.rms, BASELINE)]
     for name, rms in sorted(alone.items(), key=lambda item: -item[1]):
         rows.append((name, rms, REPAIRED if name in search.accepted else "#aab4bd"))
