@@ -1,7 +1,7 @@
 """The least-squares problem behind a fit: unknowns, starts, bounds and residuals."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -173,7 +173,12 @@ def problems_of(
     ]
     if near is None:
         return problems
-    return [*problems, *(_moved(problem, *near) for problem in problems)]
+    moved = [_moved(problem, *near) for problem in problems]
+    if not model.steady:
+        return [*problems, *moved]
+    # A fit that keeps its sensitivities has to begin near enough: also with a small effect.
+    sizes = {effect.key(effect.parameters[0].name) for effect in model.effects}
+    return [*moved, *(_with_small(problem, sizes - near[0].keys()) for problem in moved)]
 
 
 def problem_with(
@@ -230,6 +235,15 @@ def _effect_unknowns(model: Model, hypothesis: Hypothesis) -> list[list[Unknown]
         ]
         for starts in itertools.product(*(p.starts for _, p in parameters))
     ]
+
+
+def _with_small(problem: Problem, sizes: Collection[str]) -> Problem:
+    """Return the problem begun with a tenth of each of some effects."""
+    begin = np.asarray(problem.begin).copy()
+    for i, unknown in enumerate(problem.unknowns):
+        if unknown.key in sizes:
+            begin[i] = max(0.1 * begin[i], unknown.low) if unknown.low > 0.0 else 0.1 * begin[i]
+    return replace(problem, begin=begin)
 
 
 def _moved(problem: Problem, shared: Values, own: Sequence[Values]) -> Problem:

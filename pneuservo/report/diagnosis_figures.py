@@ -123,7 +123,8 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
             edgecolor="#8a8f94",
         )
         axes.add_patch(box)
-        label = f"{block}\n{guilty:.0%} of the mismatch" if guilty else block
+        share_of = "" if len(chain) > 5 else " of the mismatch"
+        label = f"{block}\n{guilty:.0%}{share_of}" if guilty else block
         axes.text(
             place * 1.5 + 0.55,
             0.3,
