@@ -17,3 +17,15 @@ def real_recordings() -> Path:
             pytest.fail(reason)
         pytest.skip(reason)
     return folder
+
+
+@pytest.fixture
+def circuit(tmp_path):
+    """Return a function that writes a netlist of the given lines and returns its path."""
+
+    def write(*lines):
+        file = tmp_path / "circuit.cir"
+        file.write_text("\n".join(lines) + "\n")
+        return file
+
+    return write

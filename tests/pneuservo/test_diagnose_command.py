@@ -190,7 +190,11 @@ REFUSED = {
         ["{leak1}", "--rig", "seal-tester"],
         ["leak1.csv", "displacement", "pressure_a", "force", "--rig"],
     ),
-    "rig not covered": (["{axis}"], ["single-axis", "covers", "dead-volume", "circuit"]),
+    "rig not covered": (
+        ["{axis}", "--rig", "figure-arm"],
+        ["figure-arm", "covers", "dead-volume", "single-axis"],
+    ),
+    "channels missing": (["{axis}"], ["single-axis", "valve_voltage", "pressure_a"]),
     "rig unknown": (["{leak1}", "--rig", "dead-volum"], ["dead-volum", "Did you mean"]),
     "rig file missing": (["{leak1}", "--rig", "gone.toml"], ["gone.toml", "no such rig file"]),
     "window outside": (["{leak1}", "--window", "100:200"], ["100", "200", "20"]),
