@@ -178,7 +178,8 @@ def problems_of(
         return [*problems, *moved]
     # A fit that keeps its sensitivities has to begin near enough: also with a small effect.
     sizes = {effect.key(effect.parameters[0].name) for effect in model.effects}
-    return [*moved, *(_with_small(problem, sizes - near[0].keys()) for problem in moved)]
+    small = [_with_small(problem, sizes - near[0].keys()) for problem in moved]
+    return [*problems, *moved, *small]
 
 
 def problem_with(
