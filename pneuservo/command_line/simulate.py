@@ -1,7 +1,6 @@
 """``pneuservo simulate``: replay a recording's command, or close a loop."""
 
 import dataclasses
-import io
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -14,7 +13,6 @@ import numpy as np
 
 from analog_card.behaviour import Imperfections
 from analog_card.console import Quantity
-from analog_card.files import write_whole
 from pneuservo.command_line.loop_controller import (
     CARDS,
     UNITS,
@@ -25,14 +23,13 @@ from pneuservo.command_line.loop_controller import (
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording, read_recording, write_recording
+from pneuservo.report.picture_files import require_picture, write_picture
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import Simulation, replay, step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.phase_plane import require_surface
 from pneuservo.simulation.replay import initial_state
-
-_PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 EXAMPLES = """\b
 Examples:
@@ -111,8 +108,8 @@ def command(
     given = {name: value for name, value in shape.items() if value is not None}
     if without:
         given["without"] = tuple(name.replace("-", "_") for name in without)
-    _require_picture("--plot", plot)
-    _require_picture("--phase-plane", phase_plane)
+    require_picture("--plot", plot)
+    require_picture("--phase-plane", phase_plane)
     source: Recording | None = None
     loop: LoopController | None = None
     if replayed is not None and controller is not None:
@@ -208,10 +205,8 @@ def _write(
     for option, draw in (("plot", result.figure), ("phase_plane", result.phase_plane)):
         file = files[option]
         if file is not None:
-            picture = io.BytesIO()
-            draw().savefig(picture, format=Path(file).suffix[1:].lower(), dpi=150)
             with _named(written(option), file):
-                write_whole(file, picture.getvalue())
+                write_picture(draw(), file)
 
 
 @contextmanager
@@ -308,13 +303,6 @@ def _refuse(options: Mapping[str, Any], what: str) -> None:
     for name, value in options.items():
         if value is not None:
             raise InputError(f"{written(name)} is not used by {what}; leave it out")
-
-
-def _require_picture(option: str, file: str | None) -> None:
-    if file is not None and Path(file).suffix.lower() not in _PICTURE_SUFFIXES:
-        raise InputError(
-            f"{option} {file}: a picture ends in one of: {', '.join(_PICTURE_SUFFIXES)}"
-        )
 
 
 def _warn(message: str) -> None:

@@ -1,6 +1,7 @@
 """Figures written to files."""
 
 import io
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from pneuservo.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SUFFIXES = (".svg", ".png", ".pdf")
+SUFFIXES = (".png", ".svg", ".pdf")
 
 
 def require_picture(option: str, file: str | None) -> None:
@@ -51,3 +52,19 @@ def write_picture(figure: "Figure", file: str | Path) -> None:
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "pneuservo"}):
         figure.savefig(stream, format=form, dpi=150, metadata=metadata)
     write_whole(file, stream.getvalue())
+
+
+def write_pictures(figures: Mapping[str, "Figure"], folder: Path) -> list[Path]:
+    """Write figures into a folder as SVG and return the files.
+
+    Parameters
+    ----------
+    figures : mapping of str to matplotlib.figure.Figure
+        Name of each file without its ending, and the figure.
+    folder : Path
+        Where to; it has to exist.
+    """
+    files = [folder / f"{name}.svg" for name in figures]
+    for file, figure in zip(files, figures.values(), strict=True):
+        write_picture(figure, file)
+    return files

@@ -13,7 +13,7 @@ from pneuservo.calibration.pictures import (
 from pneuservo.calibration.validation import Comparison, experiment_rig
 from pneuservo.identification.pictures import draw_estimates
 from pneuservo.plant.gas import gas_mass_flow, ideal_gas, mass_flow_coefficient
-from pneuservo.report.picture_files import write_picture
+from pneuservo.report.picture_files import write_pictures
 from pneuservo.report.svg import thinned
 from pneuservo.thesis.chapter_4_motion import by_position_and_direction, synthetic
 from pneuservo.thesis.chapter_4_stated import stated
@@ -48,10 +48,7 @@ def draw_all(folder: Path) -> list[Path]:
         "chapter-4-identification": _identification(),
         "chapter-4-steps": _steps(),
     }
-    files = [folder / f"{name}.svg" for name in figures]
-    for file, figure in zip(files, figures.values(), strict=True):
-        write_picture(figure, file)
-    return files
+    return write_pictures(figures, folder)
 
 
 def _new(columns: int, rows: int = 1) -> tuple["Figure", list["Axes"]]:

@@ -14,7 +14,7 @@ from pneuservo.linear import (
     without_valve,
 )
 from pneuservo.linear.characteristics import over_stroke, ultimate_gain
-from pneuservo.report.picture_files import write_picture
+from pneuservo.report.picture_files import write_pictures
 from pneuservo.state_feedback import linear_step
 from pneuservo.thesis.chapter_5_responses import TIME, three_models
 from pneuservo.thesis.chapter_5_tables import servo_of, stated, tuned
@@ -44,10 +44,7 @@ def draw_all(folder: Path) -> list[Path]:
         "chapter-5-linear-steps": _linear_steps(),
         "chapter-5-three-models": _three_models(),
     }
-    files = [folder / f"{name}.svg" for name in figures]
-    for file, figure in zip(files, figures.values(), strict=True):
-        write_picture(figure, file)
-    return files
+    return write_pictures(figures, folder)
 
 
 def _new(columns: int, rows: int = 1) -> tuple["Figure", list["Axes"]]:

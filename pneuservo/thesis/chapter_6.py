@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.report.picture_files import write_picture
+from pneuservo.report.picture_files import write_pictures
 from pneuservo.sliding_mode.second_order import (
     PhaseTrajectory,
     SecondOrderPlant,
@@ -46,10 +46,7 @@ def pictures(folder: Path) -> list[Path]:
         Where to; it has to exist.
     """
     figures = {"chapter-6-phase-plane": _phase_figure(), "chapter-6-domain": _domain_figure()}
-    files = [folder / f"{name}.svg" for name in figures]
-    for file, figure in zip(files, figures.values(), strict=True):
-        write_picture(figure, file)
-    return files
+    return write_pictures(figures, folder)
 
 
 def _trajectory(slope: float) -> PhaseTrajectory:

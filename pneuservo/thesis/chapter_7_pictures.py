@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pneuservo.linear import advanced_servo, table_5_2, without_valve
-from pneuservo.report.picture_files import write_picture
+from pneuservo.report.picture_files import write_pictures
 from pneuservo.report.svg import thinned
 from pneuservo.sliding_mode.equivalent_control import servo_gains
 from pneuservo.sliding_mode.laws import (
@@ -55,10 +55,7 @@ def draw_all(folder: Path) -> list[Path]:
         "chapter-7-fastest": _fastest(),
         "chapter-7-remedies": _remedies(),
     }
-    files = [folder / f"{name}.svg" for name in figures]
-    for file, figure in zip(files, figures.values(), strict=True):
-        write_picture(figure, file)
-    return files
+    return write_pictures(figures, folder)
 
 
 def _figure(width: float, height: float) -> "Figure":

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from pneuservo.limit_cycle import Signals, StepCourse, simulate_linear
 from pneuservo.limit_cycle.comparison import Finding, measured
 from pneuservo.limit_cycle.pictures import draw_bode, draw_error, draw_surface
-from pneuservo.report.picture_files import write_picture
+from pneuservo.report.picture_files import write_pictures
 from pneuservo.thesis.chapter_8_loops import Plants, StatedLoop, plants, stated_loop
 from pneuservo.thesis.chapter_8_statements import ideal_error
 from pneuservo.thesis.parameter_sets import PRINTED
@@ -41,10 +41,7 @@ def draw_all(folder: Path) -> list[Path]:
         "chapter-8-sampling-rates": _sampling_rates(plant),
         "chapter-8-differences": _steps_and_surfaces(plant, ("8.9-1kHz", "8.10-1kHz")),
     }
-    files = [folder / f"{name}.svg" for name in figures]
-    for file, figure in zip(files, figures.values(), strict=True):
-        write_picture(figure, file)
-    return files
+    return write_pictures(figures, folder)
 
 
 def _figure(width: float, height: float) -> "Figure":
