@@ -11,6 +11,7 @@ from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.search import SMALLEST_SHARE, Search
+from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
@@ -40,7 +41,9 @@ class Diagnosis:
     held_back : sequence of Case
         Prepared recordings that were kept out of the fits.
     before_held_back, after_held_back : Fit or None
-        Baseline and chosen model on them, only the recordings' own values fitted.
+        Baseline and repaired model on them, only the recordings' own values fitted.
+    unexplained : Unexplained or None
+        What has no name, as a table, where the model has tables and something is left.
     """
 
     rig: Rig
@@ -49,6 +52,12 @@ class Diagnosis:
     held_back: Sequence[Case]
     before_held_back: Fit | None
     after_held_back: Fit | None
+    unexplained: Unexplained | None = None
+
+    @property
+    def repaired(self) -> Fit:
+        """Return the model with everything that was found, named or not."""
+        return self.search.chosen if self.unexplained is None else self.unexplained.fit
 
     @property
     def verdict(self) -> str:
@@ -56,6 +65,8 @@ class Diagnosis:
         accepted = self.search.accepted
         if any(not member.startswith("param.") for member in accepted):
             return "missing-physics"
+        if self.unexplained is not None:
+            return "unexplained"
         if accepted:
             return "parameter"
         return "unexplained" if self.structure_remains else "consistent"
@@ -69,6 +80,8 @@ class Diagnosis:
         may be coloured too, but it does not know where the piston is.
         """
         chosen, cases = self.search.chosen, self.search.cases
+        if self.model.tables(cases):
+            return self.unexplained is not None
         noise = self.search.noise_rms
         ratio = max(chosen.rms_of(channel) for channel in chosen.effective) / noise
         if ratio < SUSPICIOUS_RATIO:
@@ -94,6 +107,8 @@ class Diagnosis:
 
         Zero unless that quantity explains more than half of what the chosen model leaves.
         """
+        if self.unexplained is not None:
+            return self.unexplained.share
         if not self.structure_remains or not self.left_over.beyond_chance:
             return 0.0
         if self.left_over.share < UNNAMED:
@@ -155,13 +170,29 @@ def diagnose(
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
         search.run()
+        search.profile()
+        unexplained = _unexplained(search)
+        repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
             before, after = (
                 fit(model, held_back, found.hypothesis, fixed=found.shared, reference=cases[0])
-                for found in (search.baseline, search.chosen)
+                for found in (search.baseline, repaired)
             )
-    return Diagnosis(chosen_rig, model, search, held_back, before, after)
+    return Diagnosis(chosen_rig, model, search, held_back, before, after, unexplained)
+
+
+def _unexplained(search: Search) -> Unexplained | None:
+    """Return what has no name; where it explains far more than the names do, they are dropped."""
+    if not search.model.tables(search.cases):
+        return None
+    search.progress("looking for what has no name")
+    found = find_unexplained(
+        search.model, search.cases, search.baseline, search.chosen, search.seed
+    )
+    if found is not None and found.instead:
+        search.give_up()
+    return found
 
 
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:

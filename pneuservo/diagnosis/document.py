@@ -10,7 +10,8 @@ from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.problem import values_in
-from pneuservo.diagnosis.search import SMALLEST_SHARE, UNDECIDED, Search
+from pneuservo.diagnosis.search import SMALLEST_SHARE, SUREST, UNDECIDED, Search
+from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
 
@@ -39,7 +40,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
     if verdict == "unexplained":
         missing = [_unexplained(diagnosis, 1.0)]
-    elif diagnosis.unnamed_share and missing:
+    elif diagnosis.unnamed_share:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
     return {
@@ -72,7 +73,7 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
     dict
         A rig file: every fitted parameter and every effect with value and interval.
     """
-    chosen, rig = diagnosis.search.chosen, diagnosis.rig
+    chosen, rig = diagnosis.repaired, diagnosis.rig
     head = {"kind": rig.kind, "title": f"{rig.title}, repaired"}
     if rig.valve:
         head["valve"] = rig.valve
@@ -97,6 +98,8 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
             name: {key: entry[key] for key in ("value", "unit", "low", "high")}
             for name, entry in _parameters(diagnosis.search, member).items()
         }
+    if diagnosis.unexplained is not None:
+        effects[diagnosis.unexplained.table.effect] = diagnosis.unexplained.parameters
     return {
         "rig": head,
         "parameters": parameters,
@@ -163,6 +166,10 @@ def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
     Returns the probability that something without a name is at work.
     """
     unnamed = diagnosis.unnamed_share
+    if diagnosis.unexplained is not None:
+        for entry in missing:
+            entry["probability"] *= 1.0 - unnamed
+        return unnamed
     doubts = []
     for entry in missing:
         share = max(diagnosis.search.share(entry["effect"]), 0.0)
@@ -172,6 +179,8 @@ def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
 
 
 def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
+    if diagnosis.unexplained is not None:
+        return _tabulated(diagnosis.unexplained, min(probability, SUREST))
     search, found = diagnosis.search, diagnosis.left_over
     shape = (
         f"depends on {found.name}, which accounts for {found.share:.0%} of it"
@@ -184,6 +193,22 @@ def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
         "statement": f"Nothing in the catalogue explains what is left; it {shape}.",
         "equation": "",
         "parameters": {},
+        "probability": probability,
+        "class": ["unexplained"],
+        "alternatives": [],
+    }
+
+
+def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
+    return {
+        "effect": "unexplained",
+        "block": found.table.block,
+        "statement": (
+            f"Nothing in the catalogue explains what is left; it acts like a {found.shape}. "
+            "The repaired model holds it as a table."
+        ),
+        "equation": f"{found.table.effect} = table({found.table.quantity})",
+        "parameters": found.parameters,
         "probability": probability,
         "class": ["unexplained"],
         "alternatives": [],
@@ -237,10 +262,16 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         block = _block(search, member)
         drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
         blame(block, float(np.sum(drop)) / whole, drop)
+    if diagnosis.unexplained is not None:
+        before, after = fits[-1], diagnosis.repaired
+        drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
+        blame(diagnosis.unexplained.table.block, max(float(np.sum(drop)) / whole, 0.0), drop)
     # What nothing explains belongs to the block whose output is judged.
     rest = max(0.0, 1.0 - sum(shares.values()))
     # Where the noise is known to a fifth only, a small excess over it is nobody's fault.
-    blames_rest = diagnosis.structure_remains if search.model.steady else rest > SMALLEST_SHARE
+    blames_rest = rest > SMALLEST_SHARE
+    if search.model.steady:
+        blames_rest = diagnosis.structure_remains and diagnosis.unexplained is None
     if blames_rest or not shares:
         left = search.chosen.residuals
         for block, part in search.model.suspects(search.cases, left, search.noise).items():
@@ -319,7 +350,7 @@ def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
                     "held_back": _held_back(channel, diagnosis.before_held_back, held_back),
                 },
                 "after": {
-                    "used": _rms_in(channel, search.chosen.residuals, search.cases),
+                    "used": _rms_in(channel, diagnosis.repaired.residuals, search.cases),
                     "held_back": _held_back(channel, diagnosis.after_held_back, held_back),
                 },
             }

@@ -10,7 +10,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import effective_samples
-from pneuservo.diagnosis.problem import Problem, problem_with, problems_of
+from pneuservo.diagnosis.problem import Problem, own_key, problem_with, problems_of
 from pneuservo.diagnosis.steady import SteadySensitivity
 from pneuservo.errors import FitError
 
@@ -72,6 +72,12 @@ class Fit:
     penalty: float
     scale: Mapping[str, float]
     """What one residual of each channel counts as one standard deviation."""
+    keys: tuple[str, ...]
+    """Name of each column of `sensitivity`."""
+    units: Array = field(repr=False)
+    """What one unit of each column is [SI]."""
+    owners: tuple[int, ...]
+    """Case whose own values each case has."""
     tolerated: tuple[str, ...]
     """Values that are known within a tolerance."""
     distance: Array = field(repr=False)
@@ -120,6 +126,22 @@ class Fit:
         ]
         return self.jacobian[:, columns]
 
+    def moved(self, step: Array) -> tuple[dict[str, float], list[dict[str, float]]]:
+        """Return the shared and own values after a step.
+
+        Parameters
+        ----------
+        step : (m,) array
+            In units of the fit, one number per column of `sensitivity`.
+        """
+        by_key = dict(zip(self.keys, (step * self.units).tolist(), strict=True))
+        shared = {key: value + by_key.get(key, 0.0) for key, value in self.shared.items()}
+        own = [
+            {key: value + by_key.get(own_key(key, place), 0.0) for key, value in values.items()}
+            for place, values in zip(self.owners, self.own, strict=True)
+        ]
+        return shared, own
+
     @property
     def jacobian(self) -> Array:
         """Return the sensitivity of the weighted residuals alone."""
@@ -133,11 +155,6 @@ class Fit:
     def weigh(self, parts: Sequence[Array]) -> Array:
         """Return residuals or changes of them, each counted in the spread of its channel."""
         return np.concatenate(parts) / self.row_scale()
-
-    @property
-    def keys(self) -> list[str]:
-        """Return the name of each column of `sensitivity`, shared values first."""
-        return [*self.shared, *(key for own in self.own for key in own)]
 
     def row_scale(self) -> Array:
         """Return what each residual counts as one."""
@@ -312,14 +329,13 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         for x, h, u in zip(vector * problem.units, half, problem.shared, strict=False)
     ]
     values = problem.values(vector)
-    keys = [[u.key for u in own] for own in problem.own]
     intervals = {u.key: ends for u, ends in zip(problem.shared, bounds, strict=True)}
     shared = {u.key: values[0][u.key] for u in problem.shared} if fixed is None else dict(fixed)
     return Fit(
         hypothesis,
         shared,
         intervals,
-        tuple({k: v[k] for k in own} for v, own in zip(values, keys, strict=True)),
+        tuple(problem.own_values(vector)),
         problem.channels,
         tuple(residuals),
         max(rms(residuals), *finest.values()),
@@ -329,6 +345,9 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         len(problem.unknowns),
         float(np.sum(problem.distance(vector) ** 2)),
         problem.scale or dict.fromkeys(effective, 1.0),
+        tuple(problem.keys),
+        problem.units,
+        problem.owners,
         tuple(problem.unknowns[i].key for i in problem.tolerated),
         problem.distance(vector),
         jacobian,

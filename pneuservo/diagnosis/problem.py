@@ -59,6 +59,11 @@ class Problem:
             self.begin = self.start
 
     @property
+    def keys(self) -> list[str]:
+        """Return the name of each unknown, told apart by case where it is a case's own."""
+        return column_names([u.key for u in self.shared], [[u.key for u in o] for o in self.own])
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """Return the judged channel of each case."""
         return tuple(case.channel for case in self.cases)
@@ -74,17 +79,30 @@ class Problem:
         high = np.array([u.high for u in self.unknowns])
         return low / self.units, high / self.units
 
+    def own_values(self, vector: Array) -> list[dict[str, float]]:
+        """Return each case's own values; in a joint model those of its recording's first case."""
+        numbers = iter((vector * self.units).tolist()[len(self.shared) :])
+        mine = [{u.key: next(numbers) for u in own} for own in self.own]
+        return [mine[owner] for owner in self.owners]
+
+    @property
+    def owners(self) -> tuple[int, ...]:
+        """Return the case whose own values each case has."""
+        if not self.model.joint:
+            return tuple(range(len(self.cases)))
+        first: dict[int, int] = {}
+        return tuple(first.setdefault(id(c.recording), i) for i, c in enumerate(self.cases))
+
     def values(self, vector: Array) -> list[dict[str, float]]:
         """Return the values of each case."""
         numbers = (vector * self.units).tolist()
         common = dict(self.held)
         common |= {u.key: number for u, number in zip(self.shared, numbers, strict=False)}
-        offset, values = len(self.shared), []
-        for case, own in zip(self.cases, self.own, strict=True):
-            mine = {u.key: x for u, x in zip(own, numbers[offset : offset + len(own)], strict=True)}
-            values.append(values_in(case, self.reference or self.cases[0], common, mine))
-            offset += len(own)
-        return values
+        reference = self.reference or self.cases[0]
+        return [
+            values_in(case, reference, common, own)
+            for case, own in zip(self.cases, self.own_values(vector), strict=True)
+        ]
 
     def residuals(self, vector: Array) -> list[Array]:
         """Return measured minus modelled for each case, usable samples only."""
@@ -109,6 +127,29 @@ class Problem:
         )
         bounded = np.nan_to_num(residual, nan=1e9, posinf=1e9, neginf=-1e9)
         return np.concatenate([bounded, self.distance(vector)])
+
+
+def column_names(shared: Sequence[str], own: Sequence[Sequence[str]]) -> list[str]:
+    """Return the names of shared unknowns and of those of each case, no two alike.
+
+    Parameters
+    ----------
+    shared : sequence of str
+        Keys that hold for every case.
+    own : sequence of sequence of str
+        Keys of each case alone.
+
+    Examples
+    --------
+    >>> column_names(["load.mass"], [["zero"], [], ["zero"]])
+    ['load.mass', 'zero of case 0', 'zero of case 2']
+    """
+    return [*shared, *(own_key(key, i) for i, keys in enumerate(own) for key in keys)]
+
+
+def own_key(key: str, case: int) -> str:
+    """Return the name of a value of one case, by the place of the case."""
+    return f"{key} of case {case}"
 
 
 def _typical_size(unknown: Unknown) -> float:

@@ -155,7 +155,8 @@ def visibilities(
     """
     basis, scale = _orthonormal(base.sensitivity), base.row_scale()
     imitations = [
-        left - basis @ (basis.T @ left) for left in _imitated_residuals(model, cases, base, seed)
+        projected(base, left[:, np.newaxis])[:, 0]
+        for left in imitated_residuals(model, cases, base, seed)
     ]
     found = {}
     for name, variants in signatures.items():
@@ -169,7 +170,23 @@ def visibilities(
     return found
 
 
-def _imitated_residuals(model: Model, cases: Sequence[Case], base: Fit, seed: int) -> list[Array]:
+def imitated_residuals(
+    model: Model, cases: Sequence[Case], base: Fit, seed: int = 0
+) -> list[Array]:
+    """Return what a fit leaves of recordings that its own rig has made.
+
+    Parameters
+    ----------
+    model, cases, base
+        What was fitted to what.
+    seed : int, optional
+        Seed of their noise.
+
+    Returns
+    -------
+    list of (n,) array
+        Weighted residuals.
+    """
     values = [
         values_in(case, cases[0], base.shared, own)
         for case, own in zip(cases, base.own, strict=True)
@@ -181,8 +198,28 @@ def _imitated_residuals(model: Model, cases: Sequence[Case], base: Fit, seed: in
             np.nan_to_num((copy.measured - model.predict(copy, mine))[copy.usable])
             for copy, mine in zip(copies, values, strict=True)
         ]
-        found.append(np.concatenate([base.weigh(parts), np.zeros(len(base.distance))]))
+        found.append(base.weigh(parts))
     return found
+
+
+def projected(base: Fit, columns: Array) -> Array:
+    """Return weighted residuals without what a refit of a fit would absorb of them.
+
+    Parameters
+    ----------
+    base : Fit
+        The fit.
+    columns : (n, k) array
+        Weighted residuals, or changes of them.
+
+    Returns
+    -------
+    (n + t, k) array
+        Rows of the tolerated values below those of the residuals.
+    """
+    basis = _orthonormal(base.sensitivity)
+    whole = np.vstack([columns, np.zeros((len(base.distance), columns.shape[1]))])
+    return np.asarray(whole - basis @ (basis.T @ whole))
 
 
 def _signatures(model: Model, cases: Sequence[Case], base: Fit, effect: Effect) -> list[Array]:

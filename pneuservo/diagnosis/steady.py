@@ -1,5 +1,6 @@
 """Sensitivities that are kept from a similar fit, so that only new unknowns cost simulations."""
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -15,7 +16,7 @@ class Known(Protocol):
     """A fit whose sensitivities are kept."""
 
     @property
-    def keys(self) -> list[str]:
+    def keys(self) -> Sequence[str]:
         """Name of each column."""
 
     @property
@@ -32,7 +33,7 @@ class SteadySensitivity:
     Parameters
     ----------
     problem : Problem
-        What is fitted; it has no unknowns of single recordings.
+        What is fitted.
     known : Fit or None
         A fit of the same recordings with fewer unknowns.
 
@@ -47,7 +48,7 @@ class SteadySensitivity:
         rows = sum(int(np.count_nonzero(case.usable)) for case in problem.cases)
         self._matrix = np.zeros((rows + len(problem.tolerated), len(problem.unknowns)))
         place = {} if known is None else {key: i for i, key in enumerate(known.keys)}
-        missing = [i for i, u in enumerate(problem.unknowns) if u.key not in place]
+        missing = [i for i, key in enumerate(problem.keys) if key not in place]
         # Without a fit to start from the first call fills everything.
         self._once, self._each = (missing, []) if known is None else ([], missing)
         if known is not None:
@@ -58,9 +59,9 @@ class SteadySensitivity:
                 ]
             )
             factor = known.row_scale() / new_scale
-            for column, unknown in enumerate(problem.unknowns):
-                if unknown.key in place:
-                    old = known.sensitivity[:rows, place[unknown.key]]
+            for column, key in enumerate(problem.keys):
+                if key in place:
+                    old = known.sensitivity[:rows, place[key]]
                     self._matrix[:rows, column] = old * factor
         for row, column in enumerate(problem.tolerated):
             self._matrix[rows + row, column] = problem.units[column] / problem.sigma[row]

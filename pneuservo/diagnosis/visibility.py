@@ -109,7 +109,7 @@ def _same_direction(search: Search, parameter: str) -> list[str]:
     alike += [
         f"param.{key}"
         for key, column in columns.items()
-        if key != parameter and _cosine(mine, column) > SAME_DIRECTION
+        if key in base.shared and key != parameter and _cosine(mine, column) > SAME_DIRECTION
     ]
     alike += [
         name

@@ -12,6 +12,7 @@ from pneuservo.effects import (
     sensor,
     spool,
     supply,
+    unexplained,
     valve,
 )
 from pneuservo.effects.effect import Effect
@@ -22,20 +23,25 @@ _BY_BLOCK = (
 )  # fmt: skip
 
 ENTRIES: tuple[Effect, ...] = tuple(effect for module in _BY_BLOCK for effect in module.EFFECTS)
-"""Every entry. An id stands twice where two kinds of rig show the same physics in laws of their
-own; no kind of rig has an id twice."""
+"""Every effect that has a name. An id stands twice where two kinds of rig show the same physics in
+laws of their own; no kind of rig has an id twice."""
 
-CATALOGUE: dict[str, Effect] = {effect.id: effect for effect in reversed(ENTRIES)}
-"""Id to entry; the first one where there are two."""
+TABLES: tuple[Effect, ...] = unexplained.EFFECTS
+"""What stands for physics without a name: no hypothesis to search, but part of a model."""
+
+CATALOGUE: dict[str, Effect] = {effect.id: effect for effect in reversed((*ENTRIES, *TABLES))}
+"""Id to entry, tables included; the first one where there are two."""
 
 
-def effects_of(kind: str) -> tuple[Effect, ...]:
+def effects_of(kind: str, *, tables: bool = False) -> tuple[Effect, ...]:
     """Return the effects that a kind of rig can show.
 
     Parameters
     ----------
     kind : str
         Kind of rig, such as ``"dead-volume"``.
+    tables : bool, optional
+        Whether `TABLES` count, which a model may hold but a search does not propose.
 
     Returns
     -------
@@ -47,7 +53,8 @@ def effects_of(kind: str) -> tuple[Effect, ...]:
     >>> [effect.id for effect in effects_of("dead-volume")][:2]
     ['leakage.orifice', 'leakage.laminar']
     """
-    return tuple(effect for effect in ENTRIES if kind in effect.rigs)
+    entries = (*ENTRIES, *TABLES) if tables else ENTRIES
+    return tuple(effect for effect in entries if kind in effect.rigs)
 
 
 def effect_by_id(effect_id: str, kind: str = "") -> Effect:
@@ -70,6 +77,6 @@ def effect_by_id(effect_id: str, kind: str = "") -> Effect:
     InputError
         When there is none; the message names the nearest.
     """
-    known = {effect.id: effect for effect in effects_of(kind)} if kind else CATALOGUE
+    known = {effect.id: effect for effect in effects_of(kind, tables=True)} if kind else CATALOGUE
     require_known(effect_id, known, f"effect of a rig of kind {kind}" if kind else "effect")
     return known[effect_id]

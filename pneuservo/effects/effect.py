@@ -25,6 +25,8 @@ class EffectParameter:
     field : str, optional
         Where the servo's kernels keep it, ``block.field`` of
         `pneuservo.plant.servo.servo_effects.ServoEffects`; ``""`` on other rigs.
+    least : float, optional
+        Smallest size that is known of real parts; a smaller one is not worth the name [unit].
     """
 
     name: str
@@ -35,6 +37,7 @@ class EffectParameter:
     starts: tuple[float, ...]
     meaning: str
     field: str = ""
+    least: float = 0.0
 
 
 @dataclass(frozen=True)

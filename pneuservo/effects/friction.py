@@ -151,7 +151,7 @@ SERVO_ASYMMETRIC = Effect(
     equation="F = Fc sgn(v) + c v + difference + viscous |v|",
     parameters=(
         EffectParameter(
-            "difference", "N", 0.0, -10.0, 10.0, (0.5,), "half the difference",
+            "difference", "N", 0.0, -10.0, 10.0, (0.5, 5.0), "half the difference",
             "friction.asymmetry",
         ),
         EffectParameter(
@@ -187,7 +187,9 @@ LAG = Effect(
     statement="Friction follows the speed with a delay; the model's follows at once.",
     equation="F = c w + Fc sgn(v), time w' = v - w",
     parameters=(
-        EffectParameter("time", "s", 0.0, 0.0, 0.1, (5e-3,), "of the lag", "friction.lag"),
+        EffectParameter(
+            "time", "s", 0.0, 0.0, 0.1, (5e-3,), "of the lag", "friction.lag", least=2e-3
+        ),
     ),
     source="Tran and Yanada 2013, Intelligent Control and Automation 4",
     experiment="swing about a steady speed without reversal, at several frequencies",

@@ -2,20 +2,17 @@
 
 from collections.abc import Mapping
 
-from pneuservo.effects.catalogue import effects_of
+from pneuservo.effects.catalogue import TABLES, effects_of
+from pneuservo.effects.unexplained import require_table
 from pneuservo.naming import require_known
 from pneuservo.plant.servo.servo_effects import NEUTRAL, ServoEffects
 
 SERVO_FIELDS: dict[str, str] = {
     effect.key(parameter.name): parameter.field
-    for effect in effects_of("single-axis")
+    for effect in effects_of("single-axis", tables=True)
     for parameter in effect.parameters
 }
 """``effect:parameter`` to ``block.field`` of `ServoEffects`."""
-
-_NEUTRAL: dict[str, float] = {
-    key: value for effect in effects_of("single-axis") for key, value in effect.neutral.items()
-}
 
 
 def servo_effects(values: Mapping[str, float]) -> ServoEffects:
@@ -35,7 +32,7 @@ def servo_effects(values: Mapping[str, float]) -> ServoEffects:
     Raises
     ------
     InputError
-        When a name is not one of a single axis; the message gives the nearest.
+        When a name is not one of a single axis, with the nearest; when a table has no range.
 
     Examples
     --------
@@ -49,6 +46,11 @@ def servo_effects(values: Mapping[str, float]) -> ServoEffects:
         base = float(getattr(getattr(NEUTRAL, block), name))
         fields = changed.setdefault(block, {})
         fields[name] = fields.get(name, base) + (float(value) - base)
-    return NEUTRAL._replace(
+    effects = NEUTRAL._replace(
         **{block: getattr(NEUTRAL, block)._replace(**fields) for block, fields in changed.items()}
     )
+    for table in TABLES:
+        block, _ = table.parameters[0].field.split(".")
+        if block in changed:
+            require_table(getattr(effects, block)._asdict(), f"effect {table.id}")
+    return effects

@@ -43,6 +43,48 @@ class Unknown:
 
 
 @dataclass(frozen=True)
+class Table:
+    """A tabulated term that may stand for physics without a name.
+
+    Parameters
+    ----------
+    effect, block : str
+        Id of the tabulated effect and where it acts.
+    what : str
+        What it adds, in words.
+    unit : str
+        Its SI unit.
+    quantity : str
+        What it depends on, in words.
+    unit_of_quantity : str
+        The SI unit of that.
+    values : mapping of str to float
+        Keys and values that say what the table is over and from where to where.
+    low, high : str
+        Keys of its two ends.
+    knots : tuple of str
+        Keys of the values at its knots.
+    step : float
+        A small value.
+    least : float
+        Spread of the values below which they are nothing.
+    """
+
+    effect: str
+    block: str
+    what: str
+    unit: str
+    quantity: str
+    unit_of_quantity: str
+    values: Values
+    low: str
+    high: str
+    knots: tuple[str, ...]
+    step: float
+    least: float
+
+
+@dataclass(frozen=True)
 class Case:
     """One recording, prepared for a model.
 
@@ -90,6 +132,8 @@ class Model:
     required: ClassVar[tuple[str, ...]]
     steady: ClassVar[bool] = False
     """Whether what the rig's parameters do hardly changes with their values."""
+    joint: ClassVar[bool] = False
+    """Whether the unknowns of a recording's first case hold for all its cases."""
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -145,7 +189,11 @@ class Model:
     def imitate(
         self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
     ) -> list[Case]:
-        """Return the cases as the rig without effects would have given them; none if it can't."""
+        """Return the cases as a rig of these values would have given them; none if it can't."""
+        return []
+
+    def tables(self, cases: Sequence[Case]) -> list[Table]:
+        """Return the tables that may stand for what no effect explains."""
         return []
 
     def suspects(

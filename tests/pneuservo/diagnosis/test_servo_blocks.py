@@ -1,4 +1,6 @@
-"""The blocks of the servo, followed from what was measured round them: no effect, no structure."""
+"""The servo followed from what was measured: no effect, no structure."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,6 +29,11 @@ def innovations(recording, rig, values):
     }
 
 
+def without(recording, missing):
+    channels = {n: v for n, v in recording.channels.items() if n not in missing}
+    return replace(recording, channels=channels)
+
+
 def test_the_velocity_is_recovered_far_better_than_by_differences(rig):
     run = simulate(rig, time=TIME, controller=Proportional(), demand=0.02)
     rng = np.random.default_rng(2)
@@ -42,14 +49,31 @@ def test_the_velocity_is_recovered_far_better_than_by_differences(rig):
 
 
 @pytest.mark.parametrize("controller", [SlidingMode(), Proportional()], ids=lambda c: c.kind)
-def test_without_effects_the_innovations_are_white_and_of_the_size_of_the_noise(rig, controller):
-    left = innovations(recorded(rig, controller, 3), rig, {})
-    for channel in ("pressure_a", "pressure_b"):
-        # Intervals in which the command jumps count for less than noise, none for more.
-        assert 0.9 < np.std(left[channel]) < 1.1, channel
-        assert effective_samples(left[channel]) > 0.5 * len(left[channel]), channel
-    # Friction turns round somewhere between two samples: a tenth more than noise.
-    assert 0.9 < np.std(left["displacement"]) < 1.25
+@pytest.mark.parametrize(
+    "missing", [(), ("pressure_a",), ("pressure_b",), ("pressure_a", "pressure_b")], ids=str
+)
+def test_without_effects_the_innovations_are_white_and_of_the_size_of_the_noise(
+    rig, controller, missing
+):
+    left = innovations(without(recorded(rig, controller, 3), missing), rig, {})
+    assert set(left) == {"displacement", "pressure_a", "pressure_b"} - set(missing)
+    for channel, samples in left.items():
+        # Samples at which little is expected count for less than noise. Where friction turns
+        # round between two samples the displacement tells a little more.
+        assert 0.85 < np.std(samples) < (1.25 if channel == "displacement" else 1.1), channel
+        if not missing and channel != "displacement":
+            assert effective_samples(samples) > 0.5 * len(samples), channel
+
+
+def test_pressures_that_were_not_measured_are_estimated(rig):
+    recording = recorded(rig, Proportional(), 3)
+    truth = np.array([recording["pressure_a"], recording["pressure_b"]])
+    for missing in (("pressure_b",), ("pressure_a", "pressure_b")):
+        cases = ServoModel().cases(without(recording, missing), rig)
+        estimated = cases[0].inputs["feed"].pressures
+        # A motion that is known to 1 mm/s tells a force to 2 %, after the start.
+        error = (estimated - truth)[:, 500:]
+        assert np.sqrt(np.mean(error**2)) < 0.1e5, missing
 
 
 @pytest.mark.parametrize(
@@ -61,21 +85,23 @@ def test_without_effects_the_innovations_are_white_and_of_the_size_of_the_noise(
         ("chamber.b.dead_volume", 1.5, "pressure_b"),
     ],
 )
-def test_a_wrong_parameter_shows_in_its_own_block_alone(rig, parameter, factor, channel):
+def test_a_wrong_parameter_shows_in_its_own_block_first(rig, parameter, factor, channel):
     recording = recorded(rig, Proportional(), 4)
     right = innovations(recording, rig, {})
     wrong = innovations(recording, rig, {parameter: rig[parameter] * factor})
     growth = {name: np.std(wrong[name]) / np.std(right[name]) for name in right}
     assert growth[channel] > 1.05
-    assert all(growth[name] < 1.01 for name in growth if name != channel)
+    assert all(growth[name] < growth[channel] for name in growth if name != channel)
 
 
-def test_an_effect_changes_the_channels_of_its_block_alone(rig):
+def test_an_effect_shows_in_its_own_block_first(rig):
     recording = recorded(rig, Proportional(), 5)
     right = innovations(recording, rig, {})
     spring = innovations(recording, rig, {"load.spring:stiffness": 200.0})
-    np.testing.assert_array_equal(spring["pressure_a"], right["pressure_a"])
-    assert np.std(spring["displacement"]) > 1.5 * np.std(right["displacement"])
     leak = innovations(recording, rig, {"leakage.chamber-a:area": 3e-9})
-    np.testing.assert_array_equal(leak["displacement"], right["displacement"])
-    assert np.std(leak["pressure_a"]) > 1.5 * np.std(right["pressure_a"])
+    change = {
+        name: [float(np.std(changed[name] - right[name])) for changed in (spring, leak)]
+        for name in right
+    }
+    assert change["displacement"][0] > 2.0 * change["pressure_a"][0]
+    assert change["pressure_a"][1] > 2.0 * change["displacement"][1]

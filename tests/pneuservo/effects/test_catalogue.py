@@ -4,23 +4,24 @@ import math
 
 import pytest
 
-from pneuservo.effects import CATALOGUE, ENTRIES, effect_by_id, effects_of
+from pneuservo.effects import CATALOGUE, ENTRIES, TABLES, effect_by_id, effects_of
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.errors import InputError
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.rigs import BUILT_IN_RIGS, load_rig
 
 RIGS = ("dead-volume", "seal-tester", "circuit", "single-axis")
-IDS = [f"{effect.id} of {effect.rigs[0]}" for effect in ENTRIES]
+EFFECTS = (*ENTRIES, *TABLES)
+IDS = [f"{effect.id} of {effect.rigs[0]}" for effect in EFFECTS]
 
 
 def test_no_rig_has_an_id_twice():
-    pairs = [(effect.id, rig) for effect in ENTRIES for rig in effect.rigs]
+    pairs = [(effect.id, rig) for effect in EFFECTS for rig in effect.rigs]
     assert len(set(pairs)) == len(pairs)
-    assert set(CATALOGUE) == {effect.id for effect in ENTRIES}
+    assert set(CATALOGUE) == {effect.id for effect in EFFECTS}
 
 
-@pytest.mark.parametrize("effect", ENTRIES, ids=IDS)
+@pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
 def test_an_entry_is_complete(effect):
     group, _, name = effect.id.partition(".")
     assert group
@@ -34,7 +35,7 @@ def test_an_entry_is_complete(effect):
     assert effect.rigs
 
 
-@pytest.mark.parametrize("effect", ENTRIES, ids=IDS)
+@pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
 def test_its_parameters_start_inside_their_range(effect):
     assert effect.parameters
     for parameter in effect.parameters:
@@ -48,7 +49,7 @@ def test_its_parameters_start_inside_their_range(effect):
     assert all(start != effect.parameters[0].neutral for start in effect.parameters[0].starts)
 
 
-@pytest.mark.parametrize("effect", ENTRIES, ids=IDS)
+@pytest.mark.parametrize("effect", EFFECTS, ids=IDS)
 def test_its_equation_names_its_parameters(effect):
     missing = [p.name for p in effect.parameters if p.name not in effect.equation]
     assert not missing
@@ -58,6 +59,13 @@ def test_its_equation_names_its_parameters(effect):
 def test_every_rig_has_effects(rig):
     assert effects_of(rig)
     assert all(rig in effect.rigs for effect in effects_of(rig))
+
+
+def test_tables_are_part_of_a_model_and_no_hypotheses():
+    for table in TABLES:
+        assert effect_by_id(table.id, "single-axis") is table
+        assert table not in effects_of("single-axis")
+        assert table in effects_of("single-axis", tables=True)
 
 
 def test_an_unknown_effect_is_named_with_its_nearest():
@@ -75,7 +83,7 @@ def test_an_id_with_a_law_per_rig_is_found_by_rig():
 
 
 def test_every_parameter_of_the_servo_has_a_field_with_the_same_neutral_value():
-    for effect in effects_of("single-axis"):
+    for effect in effects_of("single-axis", tables=True):
         for parameter in effect.parameters:
             block, name = parameter.field.split(".")
             assert getattr(getattr(NEUTRAL, block), name) == parameter.neutral, parameter
@@ -88,7 +96,7 @@ def test_every_parameter_of_the_servo_has_a_field_with_the_same_neutral_value():
 
 def test_neutral_values_are_the_baseline():
     neutral = {}
-    for effect in effects_of("single-axis"):
+    for effect in effects_of("single-axis", tables=True):
         neutral |= effect.neutral
     assert servo_effects(neutral) == NEUTRAL
 

@@ -1,17 +1,20 @@
-"""A recording of the servo as its blocks are fed with it."""
+"""A recording of the servo as its observer is fed with it."""
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
+from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
 Array = NDArray[np.float64]
 
+PRESSURES = ("pressure_a", "pressure_b")
 STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
 HELD_FOR = 8e-3
@@ -22,22 +25,13 @@ NEAR_STOP = 5e-4
 """Distance from a stop within which the piston may touch it [m]."""
 IMPACT = 0.01
 """Time round a touch during which the motion is not known well [s]."""
-SLOWEST, FASTEST = 10.0, 300.0
-"""Limits of the bandwidth with which the displacement is followed [rad/s]."""
-MEMORY = 0.3
-"""Time over which a pressure is followed: slower errors of the flow fade [s]."""
-EDGE = 0.6
-"""Error of the moment of a jump of the command, as a share of the sampling interval: at most
-half of it to either side, and a little for the bend of a command that runs on."""
-START = 0.02
-"""At the start nothing is known of the spool and of the pressures' past for this long [s]."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
 
 @dataclass(frozen=True)
 class Feed:
-    """What is measured round each block, once per recording.
+    """What the observer of the servo takes from a recording.
 
     Parameters
     ----------
@@ -50,7 +44,9 @@ class Feed:
     motion : (3, n) array
         Smoothed displacement, velocity and acceleration, SI.
     pressures : (2, n) array
-        Pressures as measured, gaps closed [Pa].
+        Pressures as measured, gaps closed, or as estimated [Pa].
+    measured : (2,) tuple of bool
+        Which of them were measured.
     pressure_rates : (2, n) array
         Their smoothed rates [Pa/s].
     supply : (n,) array or None
@@ -61,16 +57,20 @@ class Feed:
         While the piston sticks or lies at a stop.
     reversal : float
         How well the velocity is known: friction turns round over this [m/s].
-    bandwidth : float
-        With which the displacement is followed [rad/s].
     touching : (n,) array of bool
         While the piston may touch a stop.
     spread : (2, n) array
         Variance that each interval adds to what is known of each pressure [Pa^2].
     noise : mapping of str to float
         Noise of each judged channel [SI].
+    spread_of_force : float
+        What the noise of both pressures makes of the force on the piston [N].
+    gains : (n, 4, 3) array
+        What each innovation corrects, in the observer.
+    shares : (n, 3) array
+        Noise of each reading over the spread of its innovation.
     done : dict
-        Results of the blocks, so that a change in one does not have the other run again.
+        Results of the last few runs, one for all channels.
     """
 
     time: Array
@@ -79,25 +79,29 @@ class Feed:
     reading: Array
     motion: Array
     pressures: Array
+    measured: tuple[bool, ...]
     pressure_rates: Array
     supply: Array | None
     force: Array
     held: NDArray[np.bool_]
     reversal: float
-    bandwidth: float
     touching: NDArray[np.bool_]
     spread: Array
     noise: dict[str, float]
-    done: dict[object, object] = field(default_factory=dict, repr=False)
+    spread_of_force: float
+    gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
+    shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
+    done: dict[object, Array] = field(default_factory=dict, repr=False)
 
 
 def feed(recording: Recording, rig: Rig) -> Feed:
-    """Return a recording as the blocks of the servo are fed with it.
+    """Return a recording as the observer of the servo is fed with it.
 
     Parameters
     ----------
     recording : Recording
-        With valve voltage, displacement and both pressures.
+        With valve voltage and displacement; pressures that it lacks are guessed roughly, see
+        `pneuservo.diagnosis.models.servo.estimate`.
     rig : Rig
         The rig it was taken on.
 
@@ -109,43 +113,91 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     time, interval = recording.time, recording.sampling_interval
     noise = {
         channel: recording.noise_rms.get(channel) or noise_floor(recording[channel], time)
-        for channel in ("displacement", "pressure_a", "pressure_b")
+        for channel in ("displacement", *PRESSURES)
+        if channel in recording
     }
-    pressures = np.array([_closed(recording[name], time) for name in ("pressure_a", "pressure_b")])
-    areas = np.array([rig["piston.area_a"], rig["piston.area_b"]])
-    mass = rig["load.mass"]
-    spread_of_force = float(
-        np.hypot(areas[0] * noise["pressure_a"], areas[1] * noise["pressure_b"])
-    )
-    force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
-    driving = (areas[0] * pressures[0] - areas[1] * pressures[1] - force) / mass
-    *smoothed, uncertainty = smooth_motion(
-        time,
-        recording["displacement"],
-        noise["displacement"],
-        driving,
-        spread_of_force / mass,
-    )
-    motion, reversal = np.array(smoothed), max(float(uncertainty), SLOWEST_MOTION)
     voltage = _closed(recording["valve_voltage"], time)
-    touching = _touching(motion[0], interval, rig["piston.stroke"])
-    bandwidth = np.sqrt(spread_of_force / mass / noise["displacement"])
-    return Feed(
+    force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
+    pressures = _pressures(recording, rig, float(force[0]))
+    loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
+    spread_of_force = math.hypot(*loads)
+    fed = Feed(
         time=time,
         voltage=voltage,
         ramped=True,
         reading=recording["displacement"],
-        motion=motion,
+        motion=np.zeros((3, len(time))),
         pressures=pressures,
+        measured=tuple(name in recording for name in PRESSURES),
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
         supply=_supply(recording, interval),
         force=force,
+        held=np.zeros(len(time), dtype=bool),
+        reversal=SLOWEST_MOTION,
+        touching=np.zeros(len(time), dtype=bool),
+        spread=np.zeros((2, len(time))),
+        noise=noise,
+        spread_of_force=spread_of_force,
+    )
+    return moved_by(fed, rig, spread_of_force if all(fed.measured) else None)
+
+
+def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
+    """Return a feed whose motion is smoothed with the help of its pressures.
+
+    Parameters
+    ----------
+    fed : Feed
+        Its motion, and what follows from it, is replaced.
+    rig : Rig
+        The rig it was taken on.
+    force_rms : float or None
+        How well the pressures tell the force on the piston; None where they do not [N].
+    """
+    mass = rig["load.mass"]
+    driving = None
+    if force_rms is not None:
+        areas = rig["piston.area_a"], rig["piston.area_b"]
+        driving = (areas[0] * fed.pressures[0] - areas[1] * fed.pressures[1] - fed.force) / mass
+    *smoothed, uncertainty = smooth_motion(
+        fed.time,
+        fed.reading,
+        fed.noise["displacement"],
+        driving,
+        (force_rms or 0.0) / mass,
+    )
+    motion, reversal = np.array(smoothed), max(float(uncertainty), SLOWEST_MOTION)
+    interval = float(np.median(np.diff(fed.time)))
+    touching = _touching(motion[0], interval, rig["piston.stroke"])
+    moved = replace(
+        fed,
+        motion=motion,
         held=_held(motion[1], STICKING * reversal, interval) | touching,
         reversal=reversal,
-        bandwidth=float(np.clip(bandwidth, SLOWEST, FASTEST)),
         touching=touching,
-        spread=spread_of_pressures(time, voltage, True, touching, noise, rig),
-        noise=noise,
+        done={},
+    )
+    return replace(moved, spread=_spread(moved, rig))
+
+
+def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
+    """Return both pressures, a missing one as it would be with the piston at rest."""
+    from pneuservo.plant.from_rig import single_axis
+    from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B
+    from pneuservo.simulation.initial_state import InitialState
+
+    time = recording.time
+    known = {name: _closed(recording[name], time) for name in PRESSURES if name in recording}
+    start = InitialState(**{name: float(values[0]) for name, values in known.items()})
+    plant = single_axis(rig)
+    state = start.state(plant, 0.5 * plant.piston.stroke, force)
+    places = dict(zip(PRESSURES, (PRESSURE_A, PRESSURE_B), strict=True))
+    return np.array([known.get(n, np.full_like(time, state[places[n]])) for n in PRESSURES])
+
+
+def _spread(fed: Feed, rig: Rig) -> Array:
+    return spread_of_pressures(
+        fed.time, fed.voltage, fed.ramped, fed.touching, fed.noise, fed.reversal, rig
     )
 
 
@@ -196,51 +248,5 @@ def held_command(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The rig it was taken on.
     """
-    spread = spread_of_pressures(fed.time, fed.voltage, False, fed.touching, fed.noise, rig)
-    return replace(fed, ramped=False, spread=spread, done={})
-
-
-def spread_of_pressures(
-    time: Array,
-    voltage: Array,
-    ramped: bool,
-    touching: NDArray[np.bool_],
-    noise: dict[str, float],
-    rig: Rig,
-) -> Array:
-    """Return how much less is known of each pressure after each interval [Pa^2].
-
-    Parameters
-    ----------
-    time, voltage, ramped, touching, noise
-        As in `Feed`.
-    rig : Rig
-        The rig.
-
-    Returns
-    -------
-    (2, n) array
-        A steady part, which fades what is older than `MEMORY`, one for the moment at which a
-        command that bends between two samples really jumped, and one for what cannot be judged.
-    """
-    from pneuservo.plant.from_rig import single_axis
-
-    plant = single_axis(rig)
-    steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
-    bend = np.zeros_like(voltage)
-    if ramped:
-        curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
-        bend = np.maximum(curve, np.append(curve[1:], 0.0)) / plant.valve.full_voltage
-    gas, piston = plant.gas, plant.piston
-    unsure = ((time < time[0] + START) | touching).astype(float)
-    flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
-    found = []
-    for area, dead, side, name in (
-        (plant.valve.area_s_a, plant.dead_volume_a, piston.area_a, "pressure_a"),
-        (plant.valve.area_s_b, plant.dead_volume_b, piston.area_b, "pressure_b"),
-    ):
-        volume = dead + 0.5 * side * piston.stroke
-        rate = plant.polytropic_index * gas.gas_constant * gas.temperature * flow * area / volume
-        found.append((noise[name] * steps / MEMORY) ** 2 + (EDGE * bend * rate * steps) ** 2)
-        found[-1] += (unsure * rate * steps) ** 2
-    return np.array(found)
+    held = replace(fed, ramped=False, done={})
+    return replace(held, spread=_spread(held, rig))

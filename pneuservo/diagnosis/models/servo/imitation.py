@@ -1,16 +1,15 @@
-"""What a servo without any effect would have recorded on the same path."""
+"""What a servo without any further effect would have recorded on the same path."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from pneuservo.controllers import Proportional
+from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feed import Feed, feed
-from pneuservo.plant import integrator
-from pneuservo.plant.from_rig import single_axis, valve_grid
-from pneuservo.plant.single_axis import PLANT_STATES, PRESSURE_A, PRESSURE_B, SPOOL
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
+from pneuservo.simulation import InitialState, simulate
 
 _STEP = 1e-4
 """Integration step [s]."""
@@ -18,8 +17,10 @@ _UNLIMITED = 1e6
 """Level of the controller: the valve driver limits the command [V]."""
 
 
-def imitated(fed: Feed, recording: Recording, rig: Rig, rng: np.random.Generator) -> Feed:
-    """Return a recording of the baseline that follows the path of a real one.
+def imitated(
+    fed: Feed, recording: Recording, rig: Rig, zero_force: float, rng: np.random.Generator
+) -> Feed:
+    """Return a recording of a rig that follows the path of a real one.
 
     Parameters
     ----------
@@ -28,7 +29,9 @@ def imitated(fed: Feed, recording: Recording, rig: Rig, rng: np.random.Generator
     recording : Recording
         Where it comes from.
     rig : Rig
-        The fitted baseline.
+        The rig as fitted, with the effects found so far.
+    zero_force : float
+        Force that the zeros of the pressure transducers pretend [N].
     rng : Generator
         Of the noise.
 
@@ -42,30 +45,44 @@ def imitated(fed: Feed, recording: Recording, rig: Rig, rng: np.random.Generator
     The command is the recorded one plus what a proportional controller adds to keep to the
     recorded path, so that small differences do not pile up.
     """
-    supply = float(np.mean(fed.supply)) if fed.supply is not None else rig["supply.pressure"]
-    plant = single_axis(rig.with_values({"supply.pressure": supply}))
-    law = Proportional(level=_UNLIMITED).law(rig)
-    stiffness = law.gain * law.weight_displacement
-    demand = fed.motion[0] + fed.voltage / stiffness
-    state = np.zeros(PLANT_STATES)
-    state[0] = fed.motion[0, 0]
-    state[PRESSURE_A], state[PRESSURE_B] = fed.pressures[:, 0]
-    state[SPOOL] = np.clip(fed.voltage[0] / plant.valve.full_voltage, -1.0, 1.0)
-    inputs = np.column_stack((demand, fed.force))
-    outputs = integrator.run(fed.time, inputs, state, law, plant, valve_grid(rig.valve), _STEP)
-    columns = dict(zip(integrator.OUTPUTS, outputs.T, strict=True))
-    channels = {"valve_voltage": columns["valve_voltage"]}
-    for name in ("displacement", "pressure_a", "pressure_b"):
-        channels[name] = columns[name] + rng.normal(0.0, fed.noise[name], len(fed.time))
+    supply = fed.supply
+    if supply is not None and not rig.effects:
+        # Its ripple makes no difference to what is pretended, and costs a second compiled engine.
+        rig, supply = rig.with_values({"supply.pressure": float(np.mean(supply))}), None
+    controller = Proportional(level=_UNLIMITED)
+    law = controller.law(rig)
+    run = simulate(
+        rig,
+        time=fed.time,
+        controller=controller,
+        demand=fed.motion[0] + fed.voltage / (law.gain * law.weight_displacement),
+        external_force=fed.force + zero_force,
+        supply_pressure=supply,
+        initial=_start(fed, rig),
+        largest_step=_STEP,
+    )
+    channels = {"valve_voltage": run["valve_voltage"]}
+    for name in fed.noise:
+        channels[name] = run[name] + rng.normal(0.0, fed.noise[name], len(fed.time))
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
+    copy = with_observer(replace(copy, supply=fed.supply, force=fed.force), rig)
     return replace(
         copy,
         ramped=fed.ramped,
-        supply=np.full_like(fed.time, supply),
-        force=fed.force,
         held=fed.held,
         touching=fed.touching,
         reversal=fed.reversal,
-        bandwidth=fed.bandwidth,
         spread=fed.spread,
+        gains=fed.gains,
+        shares=fed.shares,
+    )
+
+
+def _start(fed: Feed, rig: Rig) -> InitialState:
+    full = rig["valve.full_voltage"]
+    return InitialState(
+        displacement=float(np.clip(fed.motion[0, 0], 0.0, rig["piston.stroke"])),
+        pressure_a=float(fed.pressures[0, 0]),
+        pressure_b=float(fed.pressures[1, 0]),
+        spool=float(np.clip(fed.voltage[0] / full, -1.0, 1.0)),
     )

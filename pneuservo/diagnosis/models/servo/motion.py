@@ -1,5 +1,7 @@
 """The motion behind a noisy displacement: what the blocks beside the piston are fed with."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,12 +9,10 @@ from pneuservo.plant.compilation import compiled
 
 Array = NDArray[np.float64]
 
-FORCE_CHANGE = 1.0
-"""Acceleration by which an unmodelled force, friction above all, may jump [m/s^2] ..."""
+FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+"""Accelerations by which an unmodelled force, friction above all, may jump [m/s^2] ..."""
 FORCE_CHANGE_TIME = 5e-3
-"""... within this time [s]."""
-ACCELERATION_CHANGE = 20.0
-"""The same where no pressures tell the acceleration [m/s^2]."""
+"""... within this time [s]; the one that makes the recorded displacement likeliest is taken."""
 
 
 def smooth_motion(
@@ -47,13 +47,20 @@ def smooth_motion(
     gravity and a wrong mass. The pressures carry the fast part of the acceleration, so that no
     cut-off has to be chosen.
     """
-    change = FORCE_CHANGE if driving is not None else ACCELERATION_CHANGE
-    wander = change**2 / FORCE_CHANGE_TIME
     known = np.zeros_like(time) if driving is None else driving
     start = float(displacement[np.isfinite(displacement)][0])
-    states, variance = _smooth(
-        time, displacement - start, max(noise_rms, 1e-9) ** 2, known, driving_rms**2, wander
-    )
+    smoothed = [
+        _smooth(
+            time,
+            displacement - start,
+            max(noise_rms, 1e-9) ** 2,
+            known,
+            driving_rms**2,
+            change**2 / FORCE_CHANGE_TIME,
+        )
+        for change in FORCE_CHANGES
+    ]
+    states, variance, _ = max(smoothed, key=lambda found: found[2])
     known_to = float(np.sqrt(np.median(variance)))
     return states[:, 0] + start, states[:, 1], states[:, 2] + known, known_to
 
@@ -71,7 +78,7 @@ def _smooth(time, measured, variance, driving, driving_variance, wander):
     n = time.shape[0]
     predicted, filtered = np.zeros((n, 3)), np.zeros((n, 3))
     spread_predicted, spread_filtered = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
-    state = np.zeros(3)
+    state, likelihood = np.zeros(3), 0.0
     spread = np.diag(np.array([1e-4, 1.0, 1e4]))
     for k in range(n):
         if k:
@@ -100,21 +107,23 @@ def _smooth(time, measured, variance, driving, driving_variance, wander):
         predicted[k] = state
         spread_predicted[k] = spread
         if measured[k] == measured[k]:
-            gain = spread[:, 0] / (spread[0, 0] + variance)
-            state = state + gain * (measured[k] - state[0])
+            expected, error = spread[0, 0] + variance, measured[k] - state[0]
+            likelihood -= 0.5 * (math.log(expected) + error * error / expected)
+            gain = spread[:, 0] / expected
+            state = state + gain * error
             row = spread[0].copy()
             for i in range(3):
                 for j in range(3):
                     spread[i, j] -= gain[i] * row[j]
         filtered[k] = state
         spread_filtered[k] = spread
-    variance = np.empty(n)
-    variance[n - 1] = spread_filtered[n - 1, 1, 1]
+    velocity_variance = np.empty(n)
+    velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
     for k in range(n - 2, -1, -1):
         step = _transition(time[k + 1] - time[k])
         back = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         filtered[k] = filtered[k] + back @ (filtered[k + 1] - predicted[k + 1])
         gained = back @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ back.T
         spread_filtered[k] = spread_filtered[k] + gained
-        variance[k] = spread_filtered[k, 1, 1]
-    return filtered, variance
+        velocity_variance[k] = spread_filtered[k, 1, 1]
+    return filtered, velocity_variance, likelihood

@@ -1,66 +1,45 @@
-"""The single-axis servo as three blocks, each followed from what was measured round it."""
+"""The single-axis servo, followed by an observer from command and measurements."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
-from pneuservo.diagnosis.models.servo.charging import charging_flow
-from pneuservo.diagnosis.models.servo.feed import Feed, feed, held_command
-from pneuservo.diagnosis.models.servo.follow_chambers import follow_chambers
-from pneuservo.diagnosis.models.servo.follow_piston import follow_piston
+from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
+from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
+from pneuservo.diagnosis.models.servo.feed import PRESSURES, Feed, feed, held_command
 from pneuservo.diagnosis.models.servo.imitation import imitated
 from pneuservo.diagnosis.models.servo.regimes import regimes_of, regressors_of
+from pneuservo.diagnosis.models.servo.run_observer import REVERSAL, ZERO_FORCE, run_observer
+from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
-from pneuservo.effects.servo import servo_effects
-from pneuservo.plant.control_law import OPEN_LOOP
-from pneuservo.plant.from_rig import single_axis, valve_grid
-from pneuservo.plant.servo.fed_chambers import step_for
-from pneuservo.plant.servo.layout import Fed, Servo
-from pneuservo.plant.servo.servo_effects import ServoEffects
-from pneuservo.plant.servo.starting import servo_state
-from pneuservo.plant.servo.transducers import true_motion, true_pressures
-from pneuservo.plant.single_axis import (
-    DISPLACEMENT,
-    PLANT_STATES,
-    PRESSURE_A,
-    PRESSURE_B,
-    SPOOL,
-    VELOCITY,
-    SingleAxis,
-)
+from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
-_PISTON_ONLY = ("friction.", "load.", "endstop.", "piston.viscous", "piston.coulomb")
-_CHAMBERS_ONLY = (
-    "spool.",
-    "valve.",
-    "supply.",
-    "line.",
-    "chamber.",
-    "leakage.",
-    "gas.",
-    "temperature",
-)
+CHANNELS = (*PRESSURES, "displacement")
+"""Judged channels, as the observer orders them."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
+_REVERSALS = (0.2, 20.0)
+"""Limits of the speed over which friction turns round, in resolutions of the velocity."""
+_REVERSAL_SPREAD = 1.0
+"""How well it is known."""
 _KEPT = 4
-"""Results kept per block."""
+"""Results kept per recording."""
 _TOGETHER = 0.2
 """Both chambers are wrong when each has at least this share of what is left of them."""
 
 
 class ServoModel(Model):
-    """Displacement from pressures; pressures from command and motion.
+    """Displacement and pressures, each expected from the command and from all that came before.
 
     Notes
     -----
-    Each block is a filter that is fed with what was measured round it and is told, at every
-    sample, how wrong it was: what is left are innovations, white and of the size of the noise
-    when nothing is missing. Every channel counts in its own noise.
+    The servo is simulated and told, at every sample, how wrong it was: what is left are
+    innovations, white and of the size of the noise when nothing is missing. Every channel counts
+    in its own noise; a pressure that was not measured is estimated on the way.
     """
 
     kind: ClassVar[str] = "single-axis"
@@ -70,10 +49,9 @@ class ServoModel(Model):
     required: ClassVar[tuple[str, ...]] = (
         "valve_voltage",
         "displacement",
-        "pressure_a",
-        "pressure_b",
     )
     steady: ClassVar[bool] = True
+    joint: ClassVar[bool] = True
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -82,9 +60,11 @@ class ServoModel(Model):
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
-        fed = _likelier_command(feed(recording, rig), rig)
+        fed = _likelier_command(with_observer(feed(recording, rig), rig), rig)
         found = []
         for channel, unit in (("displacement", "m"), ("pressure_a", "Pa"), ("pressure_b", "Pa")):
+            if channel not in recording:
+                continue
             noise = fed.noise[channel]
             usable = np.isfinite(recording[channel])
             if channel == "displacement":
@@ -114,19 +94,30 @@ class ServoModel(Model):
         )
 
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
-        """Return nothing: what a filter starts from is forgotten."""
-        return []
+        """Return what differs from recording to recording though the rig is the same.
+
+        The force that the drifting zeros of the pressure transducers pretend, as large as their
+        noise, and the speed over which friction turns round: the velocity is smoothed, and real
+        friction gives way by some micrometres before it slips. What a filter starts from is
+        forgotten.
+        """
+        if case.channel != "displacement":
+            return []
+        sigma = case.inputs["feed"].spread_of_force
+        zero = Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, sigma, "N")
+        slowly = Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, "")
+        return [zero, slowly] if sigma else [slowly]
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged channel as expected from its surroundings and its own past."""
         fed: Feed = case.inputs["feed"]
-        if case.channel == "displacement":
-            left = _once(fed, "piston", _CHAMBERS_ONLY, values, case.rig, _piston)
-        else:
-            both = _once(fed, "chambers", _PISTON_ONLY, values, case.rig, _chambers)
-            left = both[0 if case.channel == "pressure_a" else 1]
+        left = _innovations(fed, values, case.rig)[CHANNELS.index(case.channel)]
         expected: Array = case.measured - left / case.scale
         return expected
+
+    def tables(self, cases: Sequence[Case]) -> list[Table]:
+        """Return tables of a force or a flow over everything that was recorded."""
+        return tables_of(cases)
 
     def suspects(
         self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
@@ -152,19 +143,24 @@ class ServoModel(Model):
     def imitate(
         self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
     ) -> list[Case]:
-        """Return the recordings as the rig without effects would have given them."""
+        """Return the recordings as the rig of these values would have given them."""
         found: list[Case] = []
         copies: dict[int, Feed] = {}
         for case, mine in zip(cases, values, strict=True):
             fed: Feed = case.inputs["feed"]
             if id(fed) not in copies:
-                parameters = {key: v for key, v in mine.items() if key in case.rig.parameters}
-                rig = case.rig.with_values(parameters)
-                copies[id(fed)] = imitated(fed, case.recording, rig, rng)
+                zero = mine.get(ZERO_FORCE, 0.0)
+                rig = _fitted_rig(case.rig, mine)
+                try:
+                    copies[id(fed)] = imitated(fed, case.recording, rig, zero, rng)
+                except InputError:
+                    # Fitted to a path that the observer kept it on, it may run away on its own.
+                    rig = replace(rig, effects={})
+                    copies[id(fed)] = imitated(fed, case.recording, rig, zero, rng)
             copy = copies[id(fed)]
             reading = copy.reading
             if case.channel != "displacement":
-                reading = copy.pressures[0 if case.channel == "pressure_a" else 1]
+                reading = copy.pressures[PRESSURES.index(case.channel)]
             found.append(replace(case, measured=reading / case.scale, inputs={"feed": copy}))
         return found
 
@@ -182,92 +178,29 @@ def _likelier_command(ramped: Feed, rig: Rig) -> Feed:
 
     A controller that samples holds its command; an analogue one, or a recorder, does not.
     """
-    held = held_command(ramped, rig)
-    sharp = replace(ramped, spread=held.spread, done={})
-    left = [float(np.sum(_chambers(fed, {}, rig) ** 2)) for fed in (sharp, held)]
+    held = with_gains(held_command(ramped, rig), rig)
+    sharp = replace(ramped, spread=held.spread, gains=held.gains, shares=held.shares, done={})
+    noise = np.array([held.noise.get(name, 1.0) for name in CHANNELS])[:, np.newaxis]
+    left = [float(np.sum((run_observer(fed, {}, rig) / noise) ** 2)) for fed in (sharp, held)]
     return held if left[1] < left[0] else ramped
 
 
-def _once(fed: Feed, block: str, idle: tuple[str, ...], values: Values, rig: Rig, run: Any) -> Any:
-    """Return the result of a block, run anew only when a value that it heeds has changed."""
-    heeded = tuple(sorted((k, v) for k, v in values.items() if not k.startswith(idle)))
-    results = fed.done.setdefault(block, {})
-    assert isinstance(results, dict)
-    if heeded not in results:
-        while len(results) >= _KEPT:
-            results.pop(next(iter(results)))
-        results[heeded] = run(fed, values, rig)
-    return results[heeded]
-
-
-def _numbers(values: Values, rig: Rig) -> tuple[SingleAxis, ServoEffects]:
+def _fitted_rig(rig: Rig, values: Values) -> Rig:
+    """Return the rig with fitted parameters and effects."""
+    effects: dict[str, dict[str, float]] = {}
+    for key, value in values.items():
+        effect, colon, name = key.partition(":")
+        if colon:
+            effects.setdefault(effect, {})[name] = value
     parameters = {key: value for key, value in values.items() if key in rig.parameters}
-    effects = {key: value for key, value in values.items() if ":" in key}
-    return single_axis(rig.with_values(parameters)), servo_effects(effects)
+    return replace(rig.with_values(parameters), effects=effects)
 
 
-def _truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, Array]:
-    """Return motion and pressures behind what faulty transducers read."""
-    sensor, stroke = effects.sensor, plant.piston.stroke
-    place, speed = true_motion(fed.motion[0], fed.motion[1], fed.motion[2], stroke, sensor)
-    slope = 1.0 + sensor.displacement_gain
-    flows: tuple[Array | None, Array | None] = (None, None)
-    if sensor.static_share:
-        flows = (
-            charging_flow(fed.pressures[0], fed.pressure_rates[0], place, speed, plant, "a"),
-            charging_flow(fed.pressures[1], fed.pressure_rates[1], place, speed, plant, "b"),
-        )
-    # A shift in time is undone with the smoothed rate: shifting the reading would smooth its noise.
-    shift = sensor.pressure_lag - sensor.pressure_skew
-    readings = fed.pressures + shift * fed.pressure_rates
-    still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
-    pressures = true_pressures(fed.time, readings[0], readings[1], *flows, plant.gas, still)
-    return np.array([place, speed, fed.motion[2] / slope]), np.array(pressures)
-
-
-def _piston(fed: Feed, values: Values, rig: Rig) -> Array:
-    plant, effects = _numbers(values, rig)
-    motion, pressures = _truth(fed, plant, effects)
-    left: Array = follow_piston(
-        fed.time,
-        fed.reading,
-        fed.motion,
-        motion,
-        pressures,
-        fed.force,
-        fed.held,
-        fed.bandwidth,
-        fed.reversal,
-        plant,
-        effects,
-    )
-    return left
-
-
-def _chambers(fed: Feed, values: Values, rig: Rig) -> Array:
-    plant, effects = _numbers(values, rig)
-    motion, pressures = _truth(fed, plant, effects)
-    servo = Servo(plant, effects, OPEN_LOOP, Fed(motion=True, ramped_command=fed.ramped))
-    supply = fed.supply if fed.supply is not None else np.full_like(fed.time, plant.supply_pressure)
-    start = np.zeros(PLANT_STATES)
-    start[SPOOL] = np.clip(fed.voltage[0] / plant.valve.full_voltage, -1.0, 1.0)
-    start[[PRESSURE_A, PRESSURE_B]] = pressures[:, 0]
-    start[[DISPLACEMENT, VELOCITY]] = motion[:2, 0]
-    left: Array = follow_chambers(
-        fed.time,
-        fed.voltage,
-        fed.ramped,
-        motion[:2],
-        pressures,
-        supply,
-        np.array([fed.noise["pressure_a"], fed.noise["pressure_b"]]) ** 2,
-        fed.spread,
-        servo,
-        valve_grid(rig.valve),
-        servo_state(start, servo, float(supply[0])),
-        step_for(effects),
-    )
-    # What is left counts as the transducer reads it.
-    left[0] *= 1.0 + effects.sensor.pressure_a_gain
-    left[1] *= 1.0 + effects.sensor.pressure_b_gain
-    return left
+def _innovations(fed: Feed, values: Values, rig: Rig) -> Array:
+    """Return the innovations of all channels, worked out once for all of them."""
+    heeded = tuple(sorted(values.items()))
+    if heeded not in fed.done:
+        while len(fed.done) >= _KEPT:
+            fed.done.pop(next(iter(fed.done)))
+        fed.done[heeded] = run_observer(fed, values, rig)
+    return fed.done[heeded]

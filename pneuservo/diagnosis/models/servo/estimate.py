@@ -1,0 +1,49 @@
+"""The observer's gains, and what it makes of pressures that were not measured."""
+
+from dataclasses import replace
+
+from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
+from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
+from pneuservo.rigs import Rig
+
+PASSES = 2
+"""Pressures estimated with a motion make the motion better, which makes the pressures better."""
+
+
+def with_observer(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed with the missing pressures estimated, and the observer's gains.
+
+    Parameters
+    ----------
+    fed : Feed
+        What was measured.
+    rig : Rig
+        The baseline.
+
+    Returns
+    -------
+    Feed
+        With everything that the observer needs.
+    """
+    for _ in range(0 if all(fed.measured) else PASSES):
+        _, _, path, force_rms = learn_to_observe(fed, rig)
+        pressures = fed.pressures.copy()
+        for side, there in enumerate(fed.measured):
+            if not there:
+                pressures[side] = path[side]
+        fed = moved_by(replace(fed, pressures=pressures), rig, force_rms)
+    return with_gains(fed, rig)
+
+
+def with_gains(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed with the observer's gains for its weights.
+
+    Parameters
+    ----------
+    fed : Feed
+        What the observer is fed with.
+    rig : Rig
+        The baseline.
+    """
+    gains, shares, _, _ = learn_to_observe(fed, rig)
+    return replace(fed, gains=gains, shares=shares, done={})

@@ -1,0 +1,181 @@
+"""The observer of the servo run on a feed, with the errors of its transducers undone."""
+
+import numpy as np
+
+from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.servo.charging import charging_flow
+from pneuservo.diagnosis.models.servo.feed import PRESSURES, Feed
+from pneuservo.diagnosis.models.servo.observer import observe
+from pneuservo.effects.servo import servo_effects
+from pneuservo.plant.control_law import OPEN_LOOP
+from pneuservo.plant.from_rig import single_axis, valve_grid
+from pneuservo.plant.servo.layout import Servo
+from pneuservo.plant.servo.servo_effects import ServoEffects
+from pneuservo.plant.servo.starting import servo_state, step_for
+from pneuservo.plant.servo.transducers import true_motion, true_pressures
+from pneuservo.plant.single_axis import (
+    DISPLACEMENT,
+    PLANT_STATES,
+    PRESSURE_A,
+    PRESSURE_B,
+    SPOOL,
+    VELOCITY,
+    SingleAxis,
+)
+from pneuservo.rigs import Rig
+
+ZERO_FORCE = "zero_force"
+"""What the drift of the pressure transducers' zeros makes of the force in one recording [N]."""
+REVERSAL = "reversal"
+"""Speed over which friction turns round, as a multiple of the resolution of the velocity [-]."""
+
+
+def numbers(values: Values, rig: Rig) -> tuple[SingleAxis, ServoEffects]:
+    """Return the numbers of rig and effects as the kernels take them.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Rig parameters by id, effect parameters as ``effect:parameter``; others are left out.
+    rig : Rig
+        What is not among them.
+    """
+    parameters = {key: value for key, value in values.items() if key in rig.parameters}
+    effects = {key: value for key, value in values.items() if ":" in key}
+    return single_axis(rig.with_values(parameters)), servo_effects(effects)
+
+
+def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, Array]:
+    """Return motion and pressures behind what faulty transducers read.
+
+    Parameters
+    ----------
+    fed : Feed
+        What they read.
+    plant, effects
+        From `numbers`.
+
+    Returns
+    -------
+    motion : (3, n) array
+        Displacement, velocity and acceleration, SI.
+    pressures : (2, n) array
+        [Pa].
+    """
+    sensor, stroke = effects.sensor, plant.piston.stroke
+    place, speed = true_motion(fed.motion[0], fed.motion[1], fed.motion[2], stroke, sensor)
+    slope = 1.0 + sensor.displacement_gain
+    flows: tuple[Array | None, Array | None] = (None, None)
+    if sensor.static_share:
+        flows = (
+            charging_flow(fed.pressures[0], fed.pressure_rates[0], place, speed, plant, "a"),
+            charging_flow(fed.pressures[1], fed.pressure_rates[1], place, speed, plant, "b"),
+        )
+    # A shift in time is undone with the smoothed rate: shifting the reading would smooth its noise.
+    shift = sensor.pressure_lag - sensor.pressure_skew
+    readings = fed.pressures + shift * fed.pressure_rates
+    still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
+    pressures = true_pressures(fed.time, readings[0], readings[1], *flows, plant.gas, still)
+    return np.array([place, speed, fed.motion[2] / slope]), np.array(pressures)
+
+
+def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
+    """Return the innovations of both pressures [Pa] and of the displacement [m].
+
+    Parameters
+    ----------
+    fed : Feed
+        What was measured, and the observer's gains.
+    values : mapping of str to float
+        Rig and effect parameters, and what belongs to one recording.
+    rig : Rig
+        What is not among them.
+
+    Returns
+    -------
+    (3, n) array
+        As the transducers read them; zeros where nothing was measured.
+    """
+    left, _, _ = _observe(fed, values, rig, fed.gains, fed.shares, learning=False)
+    left[:2] *= _as_read(numbers(values, rig)[1])
+    return left
+
+
+def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
+    """Return the observer's gains for the baseline, and what it finds on its way.
+
+    Parameters
+    ----------
+    fed : Feed
+        What the observer is fed with.
+    rig : Rig
+        The rig.
+
+    Returns
+    -------
+    gains : (n, 4, 3) array
+        What each innovation corrects.
+    shares : (n, 3) array
+        Noise of each reading over the spread of its innovation.
+    pressures : (2, n) array
+        As followed [Pa].
+    force_rms : float
+        How well they tell the force on the piston [N].
+    """
+    samples = len(fed.time)
+    gains, shares = np.zeros((samples, 4, 3)), np.zeros((samples, 3))
+    _, path, known = _observe(fed, {}, rig, gains, shares, learning=True)
+    return gains, shares, path, float(np.median(known[samples // 10 :]))
+
+
+def _observe(
+    fed: Feed, values: Values, rig: Rig, gains: Array, shares: Array, learning: bool
+) -> tuple[Array, Array, Array]:
+    plant, effects = numbers(values, rig)
+    motion, pressures = truth(fed, plant, effects)
+    there = np.array(fed.measured)[:, np.newaxis]
+    servo, state, supply = _chain(
+        fed, motion, np.where(there, pressures, fed.pressures), plant, effects
+    )
+    noise = [fed.noise.get(name, 1.0) for name in (*PRESSURES, "displacement")]
+    found: tuple[Array, Array, Array] = observe(
+        fed.time,
+        fed.voltage,
+        fed.ramped,
+        np.vstack([np.where(there, pressures, np.nan), fed.reading]),
+        fed.motion,
+        motion,
+        supply,
+        fed.force + values.get(ZERO_FORCE, 0.0),
+        fed.held,
+        fed.reversal * values.get(REVERSAL, 1.0),
+        np.array(noise) ** 2,
+        fed.spread,
+        gains,
+        shares,
+        learning,
+        servo,
+        valve_grid(rig.valve),
+        state,
+        step_for(effects),
+    )
+    return found
+
+
+def _chain(
+    fed: Feed, motion: Array, pressures: Array, plant: SingleAxis, effects: ServoEffects
+) -> tuple[Servo, Array, Array]:
+    """Return the numbers of the chain, the state it starts from, and the supply pressure."""
+    servo = Servo(plant, effects, OPEN_LOOP)
+    supply = fed.supply if fed.supply is not None else np.full_like(fed.time, plant.supply_pressure)
+    start = np.zeros(PLANT_STATES)
+    start[SPOOL] = np.clip(fed.voltage[0] / plant.valve.full_voltage, -1.0, 1.0)
+    start[[PRESSURE_A, PRESSURE_B]] = pressures[:, 0]
+    start[[DISPLACEMENT, VELOCITY]] = motion[:2, 0]
+    return servo, servo_state(start, servo, float(supply[0])), supply
+
+
+def _as_read(effects: ServoEffects) -> Array:
+    """Return the slopes of both pressure transducers, so that what is left counts as they read."""
+    sensor = effects.sensor
+    return np.array([[1.0 + sensor.pressure_a_gain], [1.0 + sensor.pressure_b_gain]])

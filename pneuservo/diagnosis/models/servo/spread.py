@@ -1,0 +1,71 @@
+"""How fast what is known of a pressure fades."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.rigs import Rig
+
+Array = NDArray[np.float64]
+
+MEMORY = 0.3
+"""Time over which a pressure is followed: slower errors of the flow fade [s]."""
+EDGE = 0.6
+"""Error of the moment of a jump of the command, as a share of the sampling interval: at most
+half of it to either side, and a little for the bend of a command that runs on."""
+START = 0.02
+"""At the start nothing is known of the spool and of the pressures' past for this long [s]."""
+MOTION_MEMORY = 5e-3
+"""Time over which an error of the smoothed velocity lasts [s]."""
+
+
+def spread_of_pressures(
+    time: Array,
+    voltage: Array,
+    ramped: bool,
+    touching: NDArray[np.bool_],
+    noise: dict[str, float],
+    velocity_rms: float,
+    rig: Rig,
+) -> Array:
+    """Return how much less is known of each pressure after each interval [Pa^2].
+
+    Parameters
+    ----------
+    time, voltage, ramped, touching, noise
+        As in `pneuservo.diagnosis.models.servo.feed.Feed`.
+    velocity_rms : float
+        How well the velocity is known that the chambers are filled with [m/s].
+    rig : Rig
+        The rig.
+
+    Returns
+    -------
+    (2, n) array
+        A steady part, which fades what is older than `MEMORY`, one for the moment at which a
+        command that bends between two samples really jumped, one for what cannot be judged, and
+        one for an uncertain motion.
+    """
+    from pneuservo.plant.from_rig import single_axis
+
+    plant = single_axis(rig)
+    steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
+    bend = np.zeros_like(voltage)
+    if ramped:
+        curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
+        bend = np.maximum(curve, np.append(curve[1:], 0.0)) / plant.valve.full_voltage
+    gas, piston = plant.gas, plant.piston
+    unsure = ((time < time[0] + START) | touching).astype(float)
+    flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
+    found = []
+    for area, dead, side, name in (
+        (plant.valve.area_s_a, plant.dead_volume_a, piston.area_a, "pressure_a"),
+        (plant.valve.area_s_b, plant.dead_volume_b, piston.area_b, "pressure_b"),
+    ):
+        volume = dead + 0.5 * side * piston.stroke
+        rate = plant.polytropic_index * gas.gas_constant * gas.temperature * flow * area / volume
+        found.append((noise.get(name, 0.0) * steps / MEMORY) ** 2)
+        found[-1] += (EDGE * bend * rate * steps) ** 2 + (unsure * rate * steps) ** 2
+        # A chamber half filled, whose volume changes at a speed that is not quite known.
+        drawn_in = 0.5 * plant.polytropic_index * plant.supply_pressure * side / volume
+        found[-1] += (drawn_in * velocity_rms) ** 2 * steps * MOTION_MEMORY
+    return np.array(found)

@@ -1,0 +1,112 @@
+"""Intervals by profile likelihood: how far a value can go while all others make up for it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.problem import Problem, problems_of
+from pneuservo.diagnosis.steady import SteadySensitivity
+
+RISE = 3.841
+"""Rise of the weighted sum of squares at the ends of a 95 % interval (chi-square, one value)."""
+_NEARLY = 0.05
+"""Share of that rise within which an end is known well enough."""
+_MOST_TRIALS = 6
+_CHORDS = 2
+"""Times that the other values follow, with the sensitivities of the solution."""
+
+
+def with_profiles(model: Model, cases: Sequence[Case], found: Fit, keys: Sequence[str]) -> Fit:
+    """Return a fit with the intervals of some shared values from their profile likelihood.
+
+    Parameters
+    ----------
+    model, cases
+        What was fitted to what.
+    found : Fit
+        The fit.
+    keys : sequence of str
+        Shared values whose intervals are wanted.
+
+    Returns
+    -------
+    Fit
+        The same fit, other intervals.
+
+    Notes
+    -----
+    Where a model bends, the interval from its curvature at the solution is too narrow on one side
+    and too wide on the other (Venzon and Moolgavkar 1988). An end that lies beyond a hard limit is
+    the limit.
+    """
+    if not keys:
+        return found
+    problem = problems_of(model, cases, found.hypothesis)[0]
+    problem.scale = found.scale
+    values = [found.shared, *found.own]
+    blocks = [problem.shared, *problem.own]
+    solution = np.array([v[u.key] for v, block in zip(values, blocks, strict=True) for u in block])
+    vector = solution / problem.units
+    profile = _Profile(problem, vector, SteadySensitivity(problem, None)(vector))
+    place = {unknown.key: i for i, unknown in enumerate(problem.shared)}
+    intervals = dict(found.intervals)
+    for key in keys:
+        column = place[key]
+        ends = (profile.end(column, sign) * problem.units[column] for sign in (-1.0, 1.0))
+        low, high = sorted(float(end) for end in ends)
+        intervals[key] = low, high
+    return replace(found, intervals=intervals)
+
+
+class _Profile:
+    def __init__(self, problem: Problem, vector: Array, jacobian: Array):
+        self._problem, self._vector, self._jacobian = problem, vector, jacobian
+        self._lowest = float(np.sum(problem.cost_vector(vector) ** 2))
+        spread = np.linalg.pinv(jacobian.T @ jacobian)
+        self._sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
+
+    def end(self, column: int, sign: float) -> float:
+        """Return the end of the interval of one unknown, in units of the problem."""
+        low, high = (bound[column] for bound in self._problem.bounds)
+        centre, limit = self._vector[column], high if sign > 0.0 else low
+        reach = sign * float(np.sqrt(RISE)) * max(self._sigma[column], 1e-9)
+        inside, outside = 0.0, np.inf
+        for _ in range(_MOST_TRIALS):
+            if sign * (centre + reach - limit) > 0.0:
+                reach = limit - centre
+            rise = self._rise(column, centre + reach)
+            if abs(rise - RISE) < _NEARLY * RISE or (reach == limit - centre and rise < RISE):
+                break
+            if rise < RISE:
+                inside = abs(reach)
+            else:
+                outside = abs(reach)
+            # The rise grows with the square of the distance, as long as the model hardly bends.
+            wanted = abs(reach) * float(np.sqrt(RISE / max(rise, 1e-2 * RISE)))
+            if not inside < wanted < outside:
+                wanted = 0.5 * (inside + outside) if np.isfinite(outside) else 2.0 * inside
+            reach = sign * wanted
+        return float(centre + reach)
+
+    def _rise(self, column: int, value: float) -> float:
+        """Return how much worse the fit is with one unknown held and the others following."""
+        vector = self._vector.copy()
+        others = np.arange(len(vector)) != column
+        vector[column] = value
+        jacobian = self._jacobian[:, others]
+        low, high = self._problem.bounds
+        lowest = np.inf
+        for _ in range(_CHORDS + 1):
+            with np.errstate(all="ignore"):
+                left = self._problem.cost_vector(vector)
+            cost = float(np.sum(left**2))
+            if not cost < lowest:
+                break
+            lowest = cost
+            step = np.linalg.lstsq(jacobian, -left, rcond=None)[0]
+            vector[others] = np.clip(vector[others] + step, low[others], high[others])
+        return max(lowest - self._lowest, 0.0)
