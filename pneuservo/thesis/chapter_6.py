@@ -17,6 +17,7 @@ from pneuservo.sliding_mode.second_order import (
     sliding_displacement,
     structure_trajectory,
 )
+from pneuservo.thesis.chapter_6_discrete import discrete_rows
 from pneuservo.thesis.rows import Row, number_row
 from pneuservo.thesis.statements import Finding, statement_row
 
@@ -34,7 +35,7 @@ _SAMPLING_TIME = 1e-3
 
 def rows() -> list[Row]:
     """Return the statements of chapter 6 beside ours."""
-    return [*_phase_plane(), *_sliding_domain(), *_differences()]
+    return [*_phase_plane(), *_sliding_domain(), *_differences(), *discrete_rows()]
 
 
 def pictures(folder: Path) -> list[Path]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from pneuservo.limit_cycle import Loop, Signals, StepCourse, simulate_linear
+from pneuservo.limit_cycle import Loop, Signals, simulate_linear
 from pneuservo.limit_cycle.comparison import by_linear_simulation
 from pneuservo.limit_cycle.linear_simulation import START_ERROR
 from pneuservo.limit_cycle.locking import locking
@@ -17,6 +17,7 @@ from pneuservo.thesis.chapter_8_statements import (
 )
 from pneuservo.thesis.parameter_sets import PRINTED, RECONCILED
 from pneuservo.thesis.rows import Row, number_row
+from pneuservo.thesis.slow_oscillation import slow_range
 from pneuservo.thesis.statements import Finding
 
 _MEASURED_1KHZ = Signals(sampling_time=1e-3)
@@ -118,21 +119,11 @@ def _error_with_differences(plant: Plants) -> Finding:
 def _slow_oscillation(plant: Plants) -> Finding:
     loop = plant.loop_with(False, _MEASURED_1KHZ)
     sizes = [
-        _slow_range(course)
+        slow_range(course.time, course.error, SETTLED)
         for course in (simulate_linear(loop, duration=FOLLOWED), plant.simulate(loop, FOLLOWED))
     ]
     words = f"{1e6 * sizes[0]:.1f} µm linear, {1e6 * sizes[1]:.0f} µm non-linear, below 60 Hz"
     return Finding(sizes[1] > 10.0 * sizes[0], words)
-
-
-def _slow_range(course: StepCourse) -> float:
-    """Return the range of the settled error below 60 Hz, well under any chattering [m]."""
-    from scipy.signal import butter, sosfiltfilt
-
-    rate = 1.0 / (course.time[1] - course.time[0])
-    slow = sosfiltfilt(butter(4, 60.0, fs=rate, output="sos"), course.error)
-    inside = (course.time > SETTLED) & (course.time < course.time[-1] - 0.05)
-    return float(np.ptp(slow[inside]))
 
 
 def _near_the_analogue(plant: Plants) -> Finding:

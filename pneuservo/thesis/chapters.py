@@ -14,7 +14,7 @@ from pneuservo.rigs import Rig
 from pneuservo.thesis.rows import Row
 
 # Every chapter module has rows() and pictures(folder).
-CHAPTERS = (4, 5, 6, 7, 8, 9)
+CHAPTERS: tuple[int | str, ...] = (4, 5, 6, 7, 8, 9, "A1")
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class Chapter:
 
     Attributes
     ----------
-    number : int
-        Of the chapter.
+    number : int or str
+        Of the chapter; of an appendix as printed, such as ``"A1"``.
     title : str
         What it is about, from the first line of its module.
     rows : tuple of Row
@@ -33,14 +33,19 @@ class Chapter:
         Drawn figures.
     """
 
-    number: int
+    number: int | str
     title: str
     rows: tuple[Row, ...]
     pictures: tuple[Path, ...]
 
+    @property
+    def name(self) -> str:
+        """Return what the thesis calls it, such as ``Chapter 9`` or ``Appendix A1``."""
+        return _name(self.number)
+
 
 def recompute(
-    numbers: Sequence[int] = CHAPTERS,
+    numbers: Sequence[int | str] = CHAPTERS,
     folder: Path | None = None,
     rig: Rig | None = None,
     jobs: int = 1,
@@ -50,8 +55,8 @@ def recompute(
 
     Parameters
     ----------
-    numbers : sequence of int, optional
-        Of the chapters; each is taken once, in order.
+    numbers : sequence of int or str, optional
+        Of `CHAPTERS`; each is taken once, in order.
     folder : Path, optional
         Where the pictures go; it has to exist. Without it none are drawn.
     rig : Rig, optional
@@ -65,40 +70,45 @@ def recompute(
     Returns
     -------
     list of Chapter
-        By number.
+        In the order of `CHAPTERS`.
 
     Raises
     ------
     InputError
         When a number is not that of a chapter that is recomputed.
     """
-    wanted = sorted(set(numbers))
-    for number in wanted:
+    for number in numbers:
         if number not in CHAPTERS:
             known = ", ".join(str(chapter) for chapter in CHAPTERS)
             raise InputError(f"chapter {number} is not recomputed; there are: {known}")
+    wanted = [number for number in CHAPTERS if number in numbers]
     if jobs <= 1 or len(wanted) <= 1:
         found = []
         for number in wanted:
-            step(f"chapter {number}")
+            step(_name(number).lower())
             found.append(_recompute(number, folder, rig))
         return found
-    done: dict[int, Chapter] = {}
+    done: dict[int | str, Chapter] = {}
     with ProcessPoolExecutor(min(jobs, len(wanted))) as pool:
         running = {pool.submit(_recompute, number, folder, rig): number for number in wanted}
         for future in as_completed(running):
             done[running[future]] = future.result()
-            step(f"chapter {running[future]} done")
+            step(f"{_name(running[future]).lower()} done")
     return [done[number] for number in wanted]
 
 
-def _recompute(number: int, folder: Path | None, rig: Rig | None) -> Chapter:
-    module = importlib.import_module(f"pneuservo.thesis.chapter_{number}")
+def _name(number: int | str) -> str:
+    return f"Chapter {number}" if isinstance(number, int) else f"Appendix {number}"
+
+
+def _recompute(number: int | str, folder: Path | None, rig: Rig | None) -> Chapter:
+    file = _name(number).lower().replace(" ", "_")
+    module = importlib.import_module(f"pneuservo.thesis.{file}")
     # Chapters of linear models have no use for another plant.
     takes_rig = "rig" in inspect.signature(module.rows).parameters
     with threadpool_limits(limits=1, user_api="blas"):
         rows = module.rows(rig) if takes_rig and rig is not None else module.rows()
         pictures = module.pictures(folder) if folder is not None else []
     title = (module.__doc__ or "").split("\n")[0].rstrip(".")
-    title = title.removeprefix(f"Chapter {number} of the thesis").lstrip(":, ")
+    title = title.removeprefix(f"{_name(number)} of the thesis").lstrip(":, ")
     return Chapter(number, title, tuple(rows), tuple(pictures))

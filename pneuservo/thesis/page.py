@@ -130,7 +130,7 @@ def cell(text: str) -> str:
     return text.replace("|", "\\|").replace("\n", " ")
 
 
-def _sets_of(chapter: int) -> list[ParameterSet]:
+def _sets_of(chapter: int | str) -> list[ParameterSet]:
     return [candidate for candidate in parameter_sets() if candidate.chapter == chapter]
 
 

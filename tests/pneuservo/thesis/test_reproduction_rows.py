@@ -83,13 +83,13 @@ def test_numbers_as_people_read_them(value, text):
 
 
 def test_unknown_chapters_are_refused():
-    assert CHAPTERS == (4, 5, 6, 7, 8, 9)
+    assert CHAPTERS == (4, 5, 6, 7, 8, 9, "A1")
     with pytest.raises(InputError, match="chapter 3 is not recomputed; there are: 4, 5"):
         recompute([3])
 
 
 def test_in_parallel_the_rows_are_the_same():
-    serial, parallel = (recompute([9, 6], jobs=jobs) for jobs in (1, 2))
-    assert [chapter.number for chapter in serial] == [6, 9]
+    serial, parallel = (recompute([7, 6], jobs=jobs) for jobs in (1, 2))
+    assert [chapter.number for chapter in serial] == [6, 7]
     assert serial == parallel
     assert all(row.id for chapter in serial for row in chapter.rows)

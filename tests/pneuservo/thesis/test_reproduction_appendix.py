@@ -1,0 +1,25 @@
+"""Rows of the appendix on the two-link manipulator."""
+
+from pneuservo.thesis import appendix_a1
+from pneuservo.thesis.chapters import recompute
+from pneuservo.thesis.rows import IN_KIND, NOT
+
+
+def test_the_appendix_is_reproduced():
+    (chapter,) = recompute(["A1"])
+    assert chapter.name == "Appendix A1"
+    assert chapter.title.startswith("four controllers")
+    verdicts = {row.id: row.verdict for row in chapter.rows}
+    assert len(verdicts) == len(chapter.rows) == 25
+    assert NOT not in verdicts.values()
+    # Only with lengths known does the adaptive control hold as stated.
+    assert [key for key, verdict in verdicts.items() if verdict == IN_KIND] == ["A1.14"]
+
+
+def test_its_figures_are_drawn(tmp_path):
+    files = appendix_a1.pictures(tmp_path)
+    assert [file.name for file in files] == [
+        "appendix-a1-responses.svg",
+        "appendix-a1-estimates.svg",
+    ]
+    assert all(file.stat().st_size > 10_000 for file in files)
