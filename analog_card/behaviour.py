@@ -111,6 +111,24 @@ class Stages:
     control_offset: float
 
 
+@dataclass(frozen=True)
+class _LinearStages:
+    """What the stages after the differentiators do as long as none is limited.
+
+    Attributes
+    ----------
+    difference, inverter, surface : ndarray
+        As in `Stages`.
+    noise_gains : dict of str to float
+        Of the op-amps of `Stages.lags`, in that order [V/V].
+    """
+
+    difference: np.ndarray
+    inverter: np.ndarray
+    surface: np.ndarray
+    noise_gains: dict[str, float]
+
+
 def card_stages(card: CardBehaviour) -> Stages:
     """Return what the stages of a card do.
 
@@ -149,27 +167,17 @@ def card_stages(card: CardBehaviour) -> Stages:
     transducer, demand, first, second = (
         amplifiers[name] for name in ("transducer_buffer", "demand_buffer", *DIFFERENTIATORS)
     )
-    difference, difference_noise = _difference(elements, common, amplifiers["difference"])
-    inverter, inverter_noise = _inverter(elements, amplifiers["inverter"])
-    surface, surface_noise = _surface(elements, contacts, amplifiers["surface"])
-    feedback, ground = _feedback(elements, contacts), elements["xboundary.rground"]
-    comparator = 1 + feedback / ground
+    linear = _linear_stages(elements, contacts, common, amplifiers)
+    lagging, comparator = linear.noise_gains, amplifiers["boundary_layer"]
+    gain = lagging["boundary_layer"]
     curve = limiter_curve(
         design,
         elements,
         contacts,
-        amplifiers["boundary_layer"].figures,
-        feedback + ground,
+        comparator.figures,
+        _feedback(elements, contacts) + elements["xboundary.rground"],
         with_.zener_knee,
     )
-    lagging = {
-        "transducer_buffer": 1.0,
-        "difference": difference_noise,
-        "inverter": inverter_noise,
-        "surface": surface_noise,
-        "boundary_layer": comparator,
-        "limiter": 1.0,
-    }
     velocity, acceleration = (
         differentiator_parts(stage, elements, design) for stage in DIFFERENTIATORS
     )
@@ -190,24 +198,42 @@ def card_stages(card: CardBehaviour) -> Stages:
         bias_currents=np.array([first.inverting_current, second.inverting_current]),
         buffer_gains=np.array([each.settled(1.0) for each in (transducer, demand)]) * (1 + common),
         buffer_offsets=np.array([each.follower_offset(series) for each in (transducer, demand)]),
-        difference=difference,
-        inverter=inverter,
-        surface=surface,
-        comparator_gain=comparator * amplifiers["boundary_layer"].settled(comparator),
-        comparator_offset=amplifiers["boundary_layer"].offset,
-        lags=np.array([amplifiers[name].lag(gain) for name, gain in lagging.items()]),
+        difference=linear.difference,
+        inverter=linear.inverter,
+        surface=linear.surface,
+        comparator_gain=gain * comparator.settled(gain),
+        comparator_offset=comparator.offset,
+        lags=np.array([amplifiers[name].lag(noise) for name, noise in lagging.items()]),
         swings=np.array([first.inner_swing, second.inner_swing]),
         rate_swing=amplifiers["inverter"].inner_swing / amplifiers["inverter"].division(rate_load),
         surface_swing=amplifiers["surface"].limits(
             lambda swing: swing / amplifiers["surface"].division(elements["xsurface.rfeedback"])
         ),
-        comparator_swing=amplifiers["boundary_layer"].limits(curve.loaded),
-        slew_rates=np.array(
-            [each.figures.slew_rate for each in (first, second, amplifiers["boundary_layer"])]
-        ),
+        comparator_swing=comparator.limits(curve.loaded),
+        slew_rates=np.array([each.figures.slew_rate for each in (first, second, comparator)]),
         limiter=curve,
         control_offset=amplifiers["limiter"].follower_offset(series),
     )
+
+
+def _linear_stages(
+    elements: Elements,
+    contacts: tuple[float, float],
+    common: float,
+    amplifiers: Mapping[str, StageAmplifier],
+) -> _LinearStages:
+    difference, difference_noise = _difference(elements, common, amplifiers["difference"])
+    inverter, inverter_noise = _inverter(elements, amplifiers["inverter"])
+    surface, surface_noise = _surface(elements, contacts, amplifiers["surface"])
+    noise_gains = {
+        "transducer_buffer": 1.0,
+        "difference": difference_noise,
+        "inverter": inverter_noise,
+        "surface": surface_noise,
+        "boundary_layer": 1 + _feedback(elements, contacts) / elements["xboundary.rground"],
+        "limiter": 1.0,
+    }
+    return _LinearStages(difference, inverter, surface, noise_gains)
 
 
 def _contacts(design: Design, with_: Imperfections) -> tuple[float, float]:

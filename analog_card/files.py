@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 
@@ -45,6 +46,29 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
         Path(scratch).unlink(missing_ok=True)
         raise
     return path
+
+
+def write_files(folder: str | Path, contents: Mapping[str, str | bytes]) -> list[Path]:
+    """Write several files into a folder, each whole; all of them are made before the first is.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Where to write; made when missing.
+    contents : mapping of str to str or bytes
+        Name in the folder to what to write.
+
+    Returns
+    -------
+    list of Path
+        The paths written.
+
+    Raises
+    ------
+    OSError
+        When the folder cannot be written to.
+    """
+    return [write_whole(Path(folder) / name, content) for name, content in contents.items()]
 
 
 def _umask() -> int:

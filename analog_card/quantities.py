@@ -173,13 +173,14 @@ def as_text(value: float, unit: str, digits: int = 12) -> str:
 
 
 def _convert(value: str | float, unit: str, what: str) -> float:
-    import pint
-
     unit = _TYPED_POWER.sub(r"\1**\2", unit)
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{what}: {value!r} is not a quantity{_example(unit)}")
     if isinstance(value, int | float):
         return float(value)
+    # Only texts need it; it takes long to import.
+    import pint
+
     registry = _registry()
     if len(value) > _LONGEST or len(_POWER.findall(value)) != len(_SMALL_POWER.findall(value)):
         raise InputError(

@@ -163,45 +163,68 @@ def study_card(
         measured = run_trials(
             netlist, netlist_count, f"netlist {name}", place and place / "netlist.jsonl", jobs, step
         )
+    return study_of(
+        design,
+        seed,
+        FIGURES,
+        behaviour_figures(design, {}),
+        trials,
+        lambda cards: [behaviour_figures(design, elements_of(card, design)) for card in cards],
+        limits,
+        measured,
+    )
+
+
+def study_of(
+    design: Design,
+    seed: int,
+    units: Mapping[str, str],
+    nominal: Mapping[str, float | None],
+    trials: list[dict[str, Any]],
+    evaluate: Callable[[Sequence[Mapping[str, float]]], list[dict[str, Any]]],
+    limits: Mapping[str, tuple[float, float]] | None = None,
+    measured: Sequence[dict[str, Any]] = (),
+) -> Study:
+    """Return the study that trials make, with the worst cases by corners.
+
+    Parameters
+    ----------
+    design : Design
+        The card as designed, with its tolerances.
+    seed : int
+        Of the cards of the trials.
+    units : mapping of str to str
+        Unit by figure; these figures are reported.
+    nominal : mapping of str to float or None
+        Figures of the card as designed.
+    trials : list of dict
+        Figures by trial; None where there is no number.
+    evaluate : callable
+        Returns the figures of cards, each given by its deviations.
+    limits : mapping of str to tuple of float, optional
+        Lowest and highest value allowed of figures, for the yield.
+    measured : sequence of dict, optional
+        Figures of the first trials by the netlist.
+    """
     items = quantities(design)
-    drawn = [draw(items, seed, index) for index in range(count)]
+    drawn = [draw(items, seed, index) for index in range(len(trials))]
     extremes = {item.name: item.extreme for item in items if item.spread}
     with single_threaded():
-        worst = corners(
-            lambda cards: [behaviour_figures(design, elements_of(card, design)) for card in cards],
-            extremes,
-            either=(TEMPERATURE,),
-        )
-    spreads = spreads_of(behaviour_figures(design, {}), FIGURES, trials, drawn, worst, measured)
-    within = yield_within(trials, limits) if limits else None
-    return Study(design, spreads, trials, measured, within)
+        worst = corners(evaluate, extremes, either=(TEMPERATURE,))
+    spreads = _spreads(_numbers(nominal), units, trials, drawn, worst, measured)
+    within = yield_within([_numbers(trial) for trial in trials], limits) if limits else None
+    return Study(design, spreads, trials, list(measured), within)
 
 
-def spreads_of(
+def _spreads(
     nominal: Mapping[str, float],
     units: Mapping[str, str],
     trials: Sequence[Mapping[str, Any]],
     drawn: Sequence[Mapping[str, float]],
     worst: Mapping[str, tuple[float, float]],
-    measured: Sequence[Mapping[str, Any]] = (),
+    measured: Sequence[Mapping[str, Any]],
 ) -> tuple[Spread, ...]:
-    """Return what trials say about each figure.
-
-    Parameters
-    ----------
-    nominal : mapping of str to float
-        Figures of the card as designed.
-    units : mapping of str to str
-        Unit by figure; these figures are reported.
-    trials : sequence of mapping
-        Figures by trial; None where there is no number.
-    drawn : sequence of mapping of str to float
-        Deviations by trial.
-    worst : mapping of str to tuple of float
-        Lowest and highest value by corners, of the figures that have them.
-    measured : sequence of mapping, optional
-        Figures of the first trials by the netlist.
-    """
+    """Return what trials say about each figure; `drawn` are the deviations by trial."""
     spreads = []
     for figure, unit in units.items():
         values = np.array([trial[figure] for trial in trials], float)
@@ -243,6 +266,10 @@ def require_limits(
             raise InputError(f"limit of {name!r}: the figures are {', '.join(figures)}")
         if not low <= high:
             raise InputError(f"limit of {name}: {low:g} to {high:g} lets nothing pass")
+
+
+def _numbers(figures: Mapping[str, float | None]) -> dict[str, float]:
+    return {name: np.nan if value is None else value for name, value in figures.items()}
 
 
 def _behaviour_trials(

@@ -106,11 +106,24 @@ def run_trials(
                 for index, figures in zip(some, trial(some), strict=True):
                     keep(index, figures)
     else:
-        # Spawned: a forked process would share the simulator's with this one.
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent) as own:
+        with processes(jobs) as own:
             _share_out(own, trial, chunks, keep)
     return [done[index] for index in range(count)]
+
+
+@contextmanager
+def processes(jobs: int) -> Iterator[Executor]:
+    """Yield a pool of processes of this computer, which end with this one.
+
+    Parameters
+    ----------
+    jobs : int
+        How many.
+    """
+    # Spawned: a forked process would share the simulator's with this one.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent) as pool:
+        yield pool
 
 
 def _share_out(

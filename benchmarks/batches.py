@@ -14,8 +14,10 @@ from benchmarks.single_runs import interleaved, milliseconds
 from pneuservo.controllers import AnalogueCard
 from pneuservo.simulation import Batch, simulate_batch, simulate_gradient
 from pneuservo.simulation.gradient import RELATIVE_STEP
+from pneuservo.simulation.trials import RELAY_STEP, SMOOTH_STEP
 
-STEP, SHORT_STEP = 100e-6, 25e-6
+# What `simulate_batch` takes by default, and what its errors are seen against.
+STEPS, SHORT_STEP = {"boundary layer": SMOOTH_STEP, "relay": RELAY_STEP}, 12.5e-6
 SEED = 20
 # Standard deviations of what varies, as shares of the value.
 SPREADS = {
@@ -62,8 +64,9 @@ def batch(card: AnalogueCard, count: int, duration: float, step: float, jobs: in
 def monte_carlo_rows(count: int, duration: float, rounds: int) -> Iterator[Row]:
     """Yield wall clock and CPU time of Monte Carlo studies, and what two threads make of them."""
     for case, card in CARDS.items():
-        run = partial(batch, card, count, duration, STEP)
-        error = _population_error(card, min(count, 64), duration)
+        step = STEPS[case]
+        run = partial(batch, card, count, duration, step)
+        error = _population_error(card, min(count, 64), duration, step)
         wall = np.array(
             [[_wall(partial(run, jobs)) for jobs in (1, _THREADS)] for _ in range(rounds)]
         )
@@ -78,7 +81,7 @@ def monte_carlo_rows(count: int, duration: float, rounds: int) -> Iterator[Row]:
             *_MONTE_CARLO[case],
             higher_is_better=False,
             spread=(float(best[1]), float(wall[:, 1].max())),
-            note=f"{errors}; {load}",
+            note=f"steps of {step * 1e6:g} us; {errors}; {load}",
         )
         yield Row(
             f"{case}: the same, CPU time for each processor",
@@ -106,9 +109,11 @@ def monte_carlo_rows(count: int, duration: float, rounds: int) -> Iterator[Row]:
         )
 
 
-def _population_error(card: AnalogueCard, count: int, duration: float) -> tuple[float, ...]:
+def _population_error(
+    card: AnalogueCard, count: int, duration: float, step: float
+) -> tuple[float, ...]:
     """Return median, 95 % and largest error of the displacement over the runs [um]."""
-    found, exact = (batch(card, count, duration, step, 1) for step in (STEP, SHORT_STEP))
+    found, exact = (batch(card, count, duration, each, 1) for each in (step, SHORT_STEP))
     errors = np.abs(found["displacement"] - exact["displacement"]).max(axis=1) * 1e6
     return float(np.median(errors)), float(np.quantile(errors, 0.95)), float(errors.max())
 
@@ -133,12 +138,12 @@ def gradient_rows(duration: float, rounds: int) -> Iterator[Row]:
                 controller=card,
                 demand=demand,
                 initial=START,
-                largest_step=STEP,
+                largest_step=SMOOTH_STEP,
                 jobs=1,
             )
             return found.derivatives["displacement"]
 
-        took = interleaved([partial(displacement, card, duration, STEP), gradient], rounds)
+        took = interleaved([partial(displacement, card, duration, SMOOTH_STEP), gradient], rounds)
         ratios = took[:, 1] / took[:, 0]
         yield Row(
             f"{case}: gradient of eight parameters over one run",
@@ -174,7 +179,7 @@ def _gradient_note(
                 controller=card,
                 demand=demand,
                 initial=START,
-                largest_step=STEP,
+                largest_step=SMOOTH_STEP,
                 jobs=1,
             )["displacement"]
         )
@@ -187,13 +192,13 @@ def scaling_rows(duration: float, rounds: int) -> Iterator[Row]:
     """Yield what a simulated second costs in longer runs, and a further axis beside others."""
     card = CARDS["boundary layer"]
     for length in DURATIONS:
-        took = interleaved([partial(displacement, card, length * duration, STEP)], rounds)
+        took = interleaved([partial(displacement, card, length * duration, SMOOTH_STEP)], rounds)
         yield Row(
             f"one axis, {length * duration:g} s simulated",
             float(np.median(took)) / (length * duration),
             "ms/s",
         )
     for count in AXES:
-        took = interleaved([partial(batch, card, count, duration, STEP, 1)], rounds)
+        took = interleaved([partial(batch, card, count, duration, SMOOTH_STEP, 1)], rounds)
         each = float(np.median(took)) / duration / count
         yield Row(f"{count} axes side by side, for each", each, "ms/s")

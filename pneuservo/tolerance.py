@@ -9,11 +9,10 @@ import numpy as np
 
 from analog_card.design import Design
 from analog_card.figures import card_figures
-from analog_card.tolerance import TEMPERATURE, draw, elements_of, quantities
+from analog_card.tolerance import draw, elements_of, quantities
 from analog_card.tolerance_figures import FIGURES as OPEN_LOOP_FIGURES
 from analog_card.tolerance_figures import behaviour_figures
-from analog_card.tolerance_statistics import corners, yield_within
-from analog_card.tolerance_study import Study, require_limits, spreads_of
+from analog_card.tolerance_study import Study, require_limits, study_of
 from analog_card.tolerance_trials import fingerprint, run_trials
 from pneuservo.controllers import card_of
 from pneuservo.rigs import Rig, load_rig
@@ -132,8 +131,6 @@ def study_loop(
     """
     rig = rig or load_rig("single-axis")
     require_limits(limits, ALL_FIGURES)
-    items = quantities(design)
-    drawn = [draw(items, seed, index) for index in range(count)]
     place = Path(folder) if folder is not None else None
     parameters = {key: parameter.value for key, parameter in rig.parameters.items()}
     name = fingerprint(design, seed, parameters)
@@ -146,14 +143,8 @@ def study_loop(
         store = place and place / f"corners-{corner}.jsonl"
         return run_trials(figures, len(cards), f"corners {name}", store, jobs, step)
 
-    extremes = {item.name: item.extreme for item in items if item.spread}
-    worst = corners(evaluated, extremes, either=(TEMPERATURE,))
     nominal = {**closed_loop_figures(design, {}, rig), **behaviour_figures(design, {})}
-    plain = {figure: np.nan if value is None else value for figure, value in nominal.items()}
-    spreads = spreads_of(plain, ALL_FIGURES, trials, drawn, worst)
-    numbers = [{key: np.nan if v is None else v for key, v in trial.items()} for trial in trials]
-    within = yield_within(numbers, limits) if limits else None
-    return Study(design, spreads, trials, [], within)
+    return study_of(design, seed, ALL_FIGURES, nominal, trials, evaluated, limits)
 
 
 def _trials(

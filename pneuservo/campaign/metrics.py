@@ -2,12 +2,16 @@
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from pneuservo.simulation import Simulation
-from pneuservo.simulation.metrics import StepResponse, limit_cycle
+from pneuservo.simulation.metrics import (
+    StepResponse,
+    control_effort,
+    final_swings,
+    limit_cycles,
+)
 
 METRICS = {
     "rise_time": "s",
@@ -18,6 +22,8 @@ METRICS = {
     "limit_cycle_stroke": "m",
     "largest_error": "m",
     "rms_error": "m",
+    "chatter": "V",
+    "control_effort": "V",
 }
 """SI unit of each metric."""
 
@@ -49,7 +55,9 @@ def metrics_of(run: Simulation, names: Sequence[str]) -> dict[str, float | None]
     -----
     Rise time, settling time and overshoot are the largest over all steps, the steady-state error
     the one largest in magnitude. The limit cycle is that of the last hold; its stroke is how far
-    the displacement swings. Errors are demand less displacement, over the whole run.
+    the displacement swings. Errors are demand less displacement, over the whole run. Chatter is
+    the largest swing of the valve voltage at the end of a hold, peak to peak without its creep;
+    control effort its root mean square over the whole run.
 
     Examples
     --------
@@ -69,6 +77,10 @@ def metrics_of(run: Simulation, names: Sequence[str]) -> dict[str, float | None]
     error = run["demand"] - run["displacement"]
     found["largest_error"] = float(np.max(np.abs(error)))
     found["rms_error"] = float(np.sqrt(np.mean(error**2)))
+    if "chatter" in names:
+        swings = final_swings(run.time, run["demand"], run["valve_voltage"])
+        found["chatter"] = max(swing.size for swing in swings)
+    found["control_effort"] = control_effort(run.time, run["valve_voltage"])
     return {name: _number(found.get(name, math.nan)) for name in names}
 
 
@@ -83,13 +95,8 @@ def _worst(steps: Sequence[StepResponse], name: str) -> float:
 def _largest_cycle(run: Simulation) -> tuple[float, float]:
     """Return frequency [Hz] and stroke [m] of the limit cycle with the largest stroke."""
     signal = run["valve_voltage"] if run.surface is None else run.surface
-    changes = np.flatnonzero(np.diff(run["demand"]) != 0.0) + 1
     frequency, largest = math.nan, math.nan
-    for start, end in pairwise([0, *changes.tolist(), len(run)]):
-        late = slice((start + end) // 2, end)
-        cycle = limit_cycle(run.time[late], signal[late])
-        if cycle is None:
-            continue
+    for cycle in limit_cycles(run.time, run["demand"], signal):
         inside = (run.time >= cycle.start) & (run.time <= cycle.end)
         stroke = float(np.ptp(run["displacement"][inside]))
         if not stroke <= largest:

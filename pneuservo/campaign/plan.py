@@ -67,7 +67,9 @@ class Campaign:
             raise InputError(f"seed is {self.seed}; it has to be 0 or more")
         if self.trials < 1:
             raise InputError(f"trials is {self.trials}; at least one is needed")
-        if self.trials > 1 and not any(isinstance(axis, Random) for axis in self.axes):
+        noisy = any(transducer.noise for transducer in self.rig.transducers.values())
+        drawn = noisy or any(isinstance(axis, Random) for axis in self.axes)
+        if self.trials > 1 and not drawn:
             raise InputError(
                 f"{self.trials} trials, but nothing is drawn: every trial would be the same. Vary "
                 'a parameter by a distribution, such as "normal(1.825 kg, 3 %)", or leave trials '

@@ -120,6 +120,7 @@ def identity(campaign: Campaign) -> str:
     return fingerprint(
         {name: parameter.value for name, parameter in rig.parameters.items()},
         rig.effect_values,
+        rig.transducers,
         from_rig.valve_grid(rig.valve).tobytes(),
         campaign.controller,
         campaign.options,

@@ -35,13 +35,13 @@ def run_samples(campaign: Campaign, indices: Sequence[int]) -> Iterator[dict[str
         metrics: dict[str, float | None] = dict.fromkeys(campaign.metrics)
         error = None
         try:
-            metrics = metrics_of(simulate_sample(campaign, values), campaign.metrics)
+            metrics = metrics_of(simulate_sample(campaign, values, index), campaign.metrics)
         except (PneuservoError, AnalogCardError) as problem:
             error = str(problem)
         yield {"values": values, "metrics": metrics, "error": error}
 
 
-def simulate_sample(campaign: Campaign, values: Mapping[str, float]) -> Simulation:
+def simulate_sample(campaign: Campaign, values: Mapping[str, float], index: int = 0) -> Simulation:
     """Return the run of a campaign's loop with some values.
 
     Parameters
@@ -50,6 +50,8 @@ def simulate_sample(campaign: Campaign, values: Mapping[str, float]) -> Simulati
         The campaign.
     values : mapping of str to float
         By name of the parameter, in SI.
+    index : int, optional
+        Of the sample; with the seed of the campaign it seeds noise.
 
     Raises
     ------
@@ -70,9 +72,9 @@ def simulate_sample(campaign: Campaign, values: Mapping[str, float]) -> Simulati
         if name.startswith(CONTROLLER)
     }
     loop = loop_controller(campaign.controller, {**campaign.options, **shaped})
-    time, demand = campaign.time, campaign.demand
+    time, demand, seed = campaign.time, campaign.demand, (campaign.seed, index)
     if loop.design is None:
-        return simulate(rig, time=time, demand=demand, controller=loop.controller)
+        return simulate(rig, time=time, demand=demand, controller=loop.controller, seed=seed)
     design = varied_design(loop.design, values)
     elements = {
         name.removeprefix(ELEMENT): value
@@ -86,7 +88,7 @@ def simulate_sample(campaign: Campaign, values: Mapping[str, float]) -> Simulati
             design, rig, time=time, demand=demand, relay=loop.relay, elements=elements
         )
     card = card_of(design, _imperfections(loop), elements, loop.relay)
-    return simulate(rig, time=time, demand=demand, controller=card)
+    return simulate(rig, time=time, demand=demand, controller=card, seed=seed)
 
 
 def _imperfections(loop: LoopController) -> Imperfections:

@@ -1,6 +1,6 @@
 """What a campaign says, in few numbers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -145,6 +145,28 @@ def shown(values: Any, shown_in: str, unit: str) -> Any:
 def shown_axis(axis: Axis, values: Any) -> Any:
     """Return values of an axis in the unit that it was given in."""
     return shown(values, axis.shown, axis.unit)
+
+
+def values_in_words(values: Mapping[str, float], axes: Sequence[Axis]) -> str:
+    """Return the values of a sample in the units that they were given in.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        In SI by name.
+    axes : sequence of Grid or Random
+        Of the campaign.
+
+    Examples
+    --------
+    >>> axes = (Grid("supply.pressure", "Pa", "bar", (6.5e5, 7.7e5)),)
+    >>> values_in_words({"supply.pressure": 6.5e5}, axes)
+    'supply.pressure 6.5 bar'
+    """
+    return ", ".join(
+        f"{axis.name} {shown_axis(axis, values[axis.name]):.4g} {axis.shown}".rstrip()
+        for axis in axes
+    )
 
 
 def _spread(table: pd.DataFrame, metric: str, varying: list[str]) -> Spread:

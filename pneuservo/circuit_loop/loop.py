@@ -22,6 +22,7 @@ from pneuservo.plant import single_axis as places
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, Simulation
 from pneuservo.simulation.inputs import Samples, require_kind, require_samples, require_times
+from pneuservo.simulation.readings import require_exact_transducers
 
 CLOSED_LOOP = netlists.BENCHES / "closed-loop.cir"
 # Longer steps and other methods than Gear end in "Timestep too small" when the card is a relay.
@@ -107,6 +108,7 @@ def simulate_circuit_loop(
     """
     design = design or load_design()
     rig = require_kind(rig, "single-axis")
+    require_exact_transducers(rig, "the netlist of the plant")
     times = require_times(time)
     wanted = require_samples("demand", demand, times)
     if rig.valve != _VALVE:

@@ -18,11 +18,13 @@ _COMMANDS = {
     "design": "Design a sliding-mode controller: weights, boundary layer, level, reachability.",
     "detectable": "Say which chattering a converter still sees.",
     "diagnose": "Say where and why a simulation differs from recordings.",
+    "figure": "Move an animated figure, and see what its axes do to each other.",
     "identify": "Identify mass, friction and other values of a rig from recordings.",
     "limit-cycle": "Find how fast and how far a sliding-mode loop chatters, by every method.",
     "simulate": "Simulate a rig: replay a recording's command, or close a loop.",
     "thesis": "Recompute the thesis' tables and stated results, with a verdict on each.",
     "tolerance": "Study what tolerances of the card do to the closed loop.",
+    "tune": "Find potentiometer settings that are best in the worst rig of a stated set.",
 }
 
 

@@ -10,7 +10,7 @@ import click
 
 from analog_card.console import Quantity, progress
 from analog_card.files import write_whole
-from pneuservo.errors import InputError
+from pneuservo.command_line.campaign_options import place_of, read_given, require_one_place
 
 if TYPE_CHECKING:
     from pneuservo.campaign.run import Outcome
@@ -87,37 +87,17 @@ def command(
     sample it goes to the folder of --out as it comes; the same command goes on after a stop, and
     gives the same numbers in one process, in many, or on a cluster.
     """
-    from pneuservo.campaign.plan_file import campaign_of, read_settings
+    from pneuservo.campaign.plan_file import campaign_of
+    from pneuservo.campaign.run import run_campaign
     from pneuservo.report.picture_files import require_picture
 
     require_picture("--plot", plot)
-    if cluster is not None and jobs is not None:
-        raise InputError("--cluster and --jobs exclude each other: the cluster has its own workers")
-    settings = read_settings(file) if file is not None else {}
-    settings |= {key: value for key, value in given.items() if value not in (None, ())}
-    settings["vary"] = {**settings.get("vary", {}), **dict(map(_axis, vary))}
+    require_one_place(cluster, jobs)
+    settings = read_given(file, vary, given)
     campaign = campaign_of(settings, "--vary" if file is None else f"{file} [vary]", _warn)
-    outcome = _run(campaign, out, jobs or 1, cluster)
+    with progress(len(campaign)) as step, place_of(cluster, jobs) as (pool, processes):
+        outcome = run_campaign(campaign, out, processes, step, pool)
     _report(outcome, out, plot, as_json)
-
-
-def _axis(text: str) -> tuple[str, str]:
-    name, equals, values = text.partition("=")
-    if not equals:
-        raise InputError(f'--vary {text!r}: write NAME=VALUES, such as "load.mass=1.8, 7 kg"')
-    return name.strip(), values
-
-
-def _run(campaign: Any, out: str | None, jobs: int, address: str | None) -> "Outcome":
-    from pneuservo.campaign.run import run_campaign
-
-    with progress(len(campaign)) as step:
-        if address is None:
-            return run_campaign(campaign, out, jobs, step)
-        from pneuservo.campaign.cluster import cluster
-
-        with cluster(address) as (pool, threads):
-            return run_campaign(campaign, out, threads, step, pool)
 
 
 def _report(outcome: "Outcome", out: str | None, plot: str | None, as_json: bool) -> None:

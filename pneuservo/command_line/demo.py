@@ -4,11 +4,10 @@ import json
 from pathlib import Path
 
 import click
-import tomli_w
 
 from analog_card.console import progress
 from analog_card.design_file import design_to_toml
-from analog_card.files import write_whole
+from analog_card.files import write_files
 
 _EPILOG = """\b
 Examples:
@@ -34,7 +33,8 @@ Examples:
 def command(out: Path, recording: Path | None, seed: int) -> None:
     """Tune the card, run its netlist, close the loop, diagnose a recording, and report."""
     from pneuservo.demo import run_demo, summary
-    from pneuservo.diagnosis import document, repaired_model
+    from pneuservo.diagnosis import document
+    from pneuservo.report.answer_files import answer_files
     from pneuservo.report.demo_page import demo_page
     from pneuservo.report.words import headline
 
@@ -42,16 +42,13 @@ def command(out: Path, recording: Path | None, seed: int) -> None:
         demo = run_demo(out, recording, seed, step)
         step("writing the report")
         answer = document(demo.diagnosis)
-        # Everything is made before anything is written.
         files = {
             "card.toml": design_to_toml(demo.tuning.design),
             "summary.json": json.dumps(summary(demo, answer), indent=2) + "\n",
-            "diagnosis.json": json.dumps(answer, indent=2) + "\n",
-            "model.toml": tomli_w.dumps(repaired_model(demo.diagnosis)),
+            **answer_files(demo.diagnosis, answer),
             "report.html": demo_page(demo, answer),
         }
-        for name, content in files.items():
-            write_whole(out / name, content)
+        write_files(out, files)
     pots = ", ".join(f"{p.name} {p.fraction:.3f}" for p in demo.tuning.potentiometers)
     worst = max(d.worst / d.limit for d in demo.verification.deviations if d.limit)
     settling = max(s.settling_time for s in demo.loop.step_responses())

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import click
-import tomli_w
 
 from analog_card.console import progress
-from analog_card.files import write_whole
+from analog_card.files import write_files
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
@@ -140,15 +139,14 @@ def write_answer(found: Any, folder: Path) -> dict[str, Any]:
     dict
         The content of ``diagnosis.json``.
     """
-    from pneuservo.diagnosis import document, repaired_model
+    from pneuservo.diagnosis import document
+    from pneuservo.report.answer_files import answer_files
     from pneuservo.report.page import diagnosis_page
 
     answer = document(found)
-    # Everything is made before anything is written.
-    page, model = diagnosis_page(found, answer), tomli_w.dumps(repaired_model(found))
-    write_whole(folder / "diagnosis.json", json.dumps(answer, indent=2) + "\n")
-    write_whole(folder / "model.toml", model)
-    write_whole(folder / "report.html", page)
+    write_files(
+        folder, {**answer_files(found, answer), "report.html": diagnosis_page(found, answer)}
+    )
     return answer
 
 

@@ -15,6 +15,7 @@ from pneuservo.errors import InputError
 from pneuservo.naming import nearest
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, Simulation, simulate
+from pneuservo.simulation.readings import Seed
 
 FIGURES, BEHAVIOUR, CIRCUIT = CARDS = ("figures", "behaviour", "circuit")
 """What an analogue card can be simulated by."""
@@ -27,15 +28,22 @@ UNITS = {
     "gain": "",
     "velocity_gain": "s",
     "acceleration_gain": "s**2",
+    "sampling_time": "s",
+    "reaching_share": "",
 }
 """SI unit of every option that is a number."""
 
 _TUNING = ("settling_time", "damping", "boundary_layer", "level")
+_GAINS = ("gain", "velocity_gain", "acceleration_gain", "level")
 TAKEN = {
     "sliding-mode": _TUNING,
     "proportional": ("gain", "level"),
-    "state-feedback": ("gain", "velocity_gain", "acceleration_gain", "level"),
+    "state-feedback": _GAINS,
     "analogue-card": (*_TUNING, "design", "card", "without"),
+    "digital-sliding-mode": (*_TUNING, "sampling_time", "accelerometer"),
+    "digital-state-feedback": (*_GAINS, "sampling_time", "accelerometer"),
+    "hybrid-sliding-mode": (*_TUNING, "sampling_time"),
+    "discrete-sliding-mode": (*_TUNING, "sampling_time", "accelerometer", "reaching_share"),
 }
 """Options by the controller that they shape."""
 
@@ -75,6 +83,7 @@ class LoopController:
         time: np.ndarray,
         demand: np.ndarray,
         initial: InitialState | None = None,
+        seed: Seed = 0,
     ) -> Simulation:
         """Close the loop.
 
@@ -86,6 +95,8 @@ class LoopController:
             [s], [m].
         initial : InitialState, optional
             By default at rest at the first demand.
+        seed : int or sequence of int, optional
+            Of noise, where rig or controller has any.
 
         Returns
         -------
@@ -101,7 +112,12 @@ class LoopController:
         """
         if self.card != CIRCUIT:
             return simulate(
-                rig, time=time, controller=self.controller, demand=demand, initial=initial
+                rig,
+                time=time,
+                controller=self.controller,
+                demand=demand,
+                initial=initial,
+                seed=seed,
             )
         from analog_card.console import progress
         from pneuservo.circuit_loop import simulate_circuit_loop

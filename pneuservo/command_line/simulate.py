@@ -35,6 +35,7 @@ EXAMPLES = """\b
 Examples:
   pneuservo simulate --controller sliding-mode --demand "15,24,6,15 mm" --out loop.csv
   pneuservo simulate --controller analogue-card --card behaviour --demand "15,24 mm"
+  pneuservo simulate --controller hybrid-sliding-mode --sampling-time 2ms --demand "15,24 mm"
   pneuservo simulate --replay loop.csv --out replayed.csv
 """
 
@@ -64,6 +65,21 @@ Examples:
 @click.option(
     "--acceleration-gain", type=Quantity(UNITS["acceleration_gain"]), help="Of the acceleration."
 )
+@click.option(
+    "--sampling-time",
+    type=Quantity(UNITS["sampling_time"]),
+    help="Of a controller on a computer.  [default: 1 ms]",
+)
+@click.option(
+    "--accelerometer/--no-accelerometer",
+    default=None,
+    help="Whether a controller on a computer has one, or takes differences.",
+)
+@click.option(
+    "--reaching-share",
+    type=Quantity(UNITS["reaching_share"]),
+    help="Of the switching function, taken away in each sample.  [default: 0.2]",
+)
 @click.option("--design", metavar="FILE", help="Design of the card; turned as it says, or tuned.")
 @click.option(
     "--card",
@@ -76,6 +92,12 @@ Examples:
     multiple=True,
     type=click.Choice([item.name.replace("_", "-") for item in dataclasses.fields(Imperfections)]),
     help="Leave an imperfection out of the card's behaviour; may be repeated.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    help="Of the noise that the rig's transducers or converters have.  [default: 0]",
 )
 @click.option("--out", metavar="FILE", help="Write all channels: .csv, .parquet or .h5.")
 @click.option("--plot", metavar="FILE", help="Draw the run: .svg, .png or .pdf.")
@@ -98,6 +120,7 @@ def command(
     phase_plane: str | None,
     as_json: bool,
     without: tuple[str, ...],
+    seed: int,
     **shape: Any,
 ) -> None:
     """Simulate a rig: replay the command of a recording, or close a loop.
@@ -123,13 +146,13 @@ def command(
             "a replay",
         )
         source = _read(replayed, rig)
-        result = _replay(source, rig, port)
+        result = _replay(source, rig, port, seed)
     elif controller is not None:
         _refuse({"port": port}, "a closed loop")
         loop = loop_controller(controller, given)
         if phase_plane is not None:
             require_surface(loop.controller)
-        result, source = _closed_loop(loop, rig, demand, hold, rate)
+        result, source = _closed_loop(loop, rig, demand, hold, rate, seed)
     else:
         raise InputError(
             f"say what to simulate: --replay RECORDING, or --controller with one of: "
@@ -144,10 +167,10 @@ def command(
         _print(report)
 
 
-def _replay(source: Recording, rig_name: str | None, port: str | None) -> Simulation:
+def _replay(source: Recording, rig_name: str | None, port: str | None, seed: int) -> Simulation:
     rig = load_rig(rig_name or source.rig)
     if rig.kind == "single-axis" or (rig.kind == "dead-volume" and not rig.effects):
-        return replay(source, rig, port, _warn)
+        return replay(source, rig, port, _warn, seed)
     from pneuservo.diagnosis.replay import replay_model
 
     _refuse({"port": port}, f"a replay on rig {rig.name}")
@@ -160,6 +183,7 @@ def _closed_loop(
     demand: str | None,
     hold: float | None,
     rate: float | None,
+    seed: int,
 ) -> tuple[Simulation, Recording | None]:
     if demand is None:
         raise InputError('a closed loop needs --demand, such as --demand "15,24,6,15 mm"')
@@ -167,7 +191,7 @@ def _closed_loop(
         rig = require_kind(rig_name or "single-axis", "single-axis", effects=True)
         values = set_points(demand, rig["piston.stroke"], "--demand")
         time, samples = step_demand(values, hold or HOLD, rate or RATE)
-        return loop.run(rig, time, samples), None
+        return loop.run(rig, time, samples, seed=seed), None
     _refuse({"hold": hold, "rate": rate}, "a recorded demand")
     source = _read(demand, rig_name)
     if "demand" not in source:
@@ -177,7 +201,7 @@ def _closed_loop(
     rig = require_kind(rig_name or source.rig, "single-axis", effects=True)
     rig = rig.with_conditions(source.conditions)
     start = initial_state(source, rig, _warn)
-    return loop.run(rig, source.time, source["demand"], start), source
+    return loop.run(rig, source.time, source["demand"], start, seed), source
 
 
 def _read(path: str, rig: str | None) -> Recording:

@@ -24,9 +24,9 @@ Examples:
 @click.option(
     "--chapter",
     "chapters",
-    type=int,
     multiple=True,
-    help="Only this chapter; may be given again.  [default: all, 4 to 9]",
+    metavar="NUMBER",
+    help="Only this chapter; may be given again.  [default: all, 4 to 9 and appendix A1]",
 )
 @click.option(
     "--out",
@@ -49,7 +49,7 @@ Examples:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON, nothing else.")
 def command(
-    chapters: tuple[int, ...],
+    chapters: tuple[str, ...],
     out: str,
     page: bool,
     rig: str | None,
@@ -67,7 +67,8 @@ def command(
     used = require_kind(rig, "single-axis") if rig is not None else None
     target = Path(out) / PAGE
     folder = _picture_folder(Path(out)) if page else None
-    numbers = chapters or CHAPTERS
+    given = tuple(int(name) if name.isdigit() else name.upper() for name in chapters)
+    numbers = given or CHAPTERS
     with progress(len(set(numbers))) as step:
         found = recompute(numbers, folder, used, jobs, step)
     if page:

@@ -38,6 +38,34 @@ FIRST, SECOND, SURFACE, CONTROL = (
 
 
 @compiled
+def mean_voltage(card_state, motion, sensitivity, demand, duration, substeps, card, work):
+    """Advance the card by one step of the plant and return its mean control voltage [V].
+
+    Parameters
+    ----------
+    card_state, sensitivity, demand, duration, substeps, card, work
+        As in `card_step`.
+    motion : tuple of 3 floats
+        Displacement [m], velocity [m/s] and acceleration [m/s^2] at the start of the step, as the
+        transducer has them.
+    """
+    displacement, velocity, rate = motion
+    total = 0.0
+    for i in range(substeps):
+        passed = duration * i / substeps
+        total += advance_card(
+            card_state,
+            sensitivity * (displacement + (velocity + 0.5 * rate * passed) * passed),
+            sensitivity * (velocity + rate * passed),
+            sensitivity * rate,
+            sensitivity * demand,
+            card,
+            work,
+        )
+    return total / substeps
+
+
+@compiled
 def card_step(
     state, card_state, modes, held, sensitivity, demand, duration, substeps, card, plant, work
 ):
@@ -66,19 +94,8 @@ def card_step(
     """
     velocity = state[VELOCITY] if is_moving(modes[MOTION]) else 0.0
     rate = acceleration(piston_force(state, held, plant), modes[MOTION], plant.piston)
-    total = 0.0
-    for i in range(substeps):
-        passed = duration * i / substeps
-        total += advance_card(
-            card_state,
-            sensitivity * (state[DISPLACEMENT] + (velocity + 0.5 * rate * passed) * passed),
-            sensitivity * (velocity + rate * passed),
-            sensitivity * rate,
-            sensitivity * demand,
-            card,
-            work,
-        )
-    return total / substeps
+    motion = (state[DISPLACEMENT], velocity, rate)
+    return mean_voltage(card_state, motion, sensitivity, demand, duration, substeps, card, work)
 
 
 @compiled

@@ -12,6 +12,7 @@ from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest, require_known
+from pneuservo.rigs.transducers import Transducer, read_transducers
 
 BUILT_IN_RIGS = (
     "single-axis",
@@ -74,6 +75,9 @@ class Rig:
         model has it. Empty for the baseline.
     valve : str, optional
         Name of the valve whose tables are used, or path of its file; ``""`` without a valve.
+    transducers : mapping of str to Transducer
+        By ``displacement`` and ``pressure``: noise and range of what is read. Empty for exact
+        readings.
     """
 
     name: str
@@ -82,6 +86,7 @@ class Rig:
     parameters: Mapping[str, Parameter]
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     valve: str = ""
+    transducers: Mapping[str, Transducer] = field(default_factory=dict)
 
     def __getitem__(self, parameter: str) -> float:
         """Return the value of a parameter in SI."""
@@ -222,7 +227,7 @@ def _built_in(name: str) -> Rig:
 def _merge(data: dict[str, Any], path: Path) -> Rig:
     # `diagnosis` is what a repaired model says of how it came about; it changes nothing.
     for key in data:
-        require_known(key, ("rig", "parameters", "effects", "diagnosis"), str(path))
+        require_known(key, ("rig", "parameters", "effects", "transducers", "diagnosis"), str(path))
     head = _table(data, "rig", path)
     kind = head.get("kind")
     if kind not in BUILT_IN_RIGS:
@@ -238,8 +243,9 @@ def _merge(data: dict[str, Any], path: Path) -> Rig:
         require_known(key, parameters, f"{path} [parameters]")
         parameters[key] = _parameter(entry, parameters[key].unit, f"{path} {key}", parameters[key])
     effects = _effects(_table(data, "effects", path), kind, f"{path} [effects]")
+    transducers = read_transducers(_table(data, "transducers", path), kind, f"{path} [transducers]")
     title, valve = head.get("title", base.title), str(head.get("valve", base.valve))
-    return Rig(str(path), kind, str(title), parameters, effects, _valve(valve, path))
+    return Rig(str(path), kind, str(title), parameters, effects, _valve(valve, path), transducers)
 
 
 def _valve(valve: str, path: Path) -> str:
@@ -295,13 +301,18 @@ def _effects(table: dict[str, Any], kind: str, where: str) -> dict[str, dict[str
     if not table:
         return {}
     # The catalogue brings the compiler along: not before it is needed.
-    from pneuservo.effects import effects_of
+    from pneuservo.effects import TABLES, effects_of
+    from pneuservo.effects.unexplained import require_table
 
-    known = {effect.id: [p.name for p in effect.parameters] for effect in effects_of(kind)}
+    entries = effects_of(kind, tables=True)
+    known = {effect.id: [p.name for p in effect.parameters] for effect in entries}
+    tables = [table.id for table in TABLES]
     effects = {}
     for key, entry in table.items():
         require_known(key, known, f"{where} of a rig of kind {kind}")
         effects[key] = _effect(entry, known[key], f"{where} {key}")
+        if key in tables:
+            require_table(effects[key], f"{where} {key}")
     return effects
 
 

@@ -2,21 +2,37 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pneuservo.controllers import Controller
+from pneuservo.controllers import (
+    AnalogueCard,
+    ContinuousController,
+    Controller,
+    SampledController,
+)
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.plant.outputs import OUTPUTS
 from pneuservo.rigs import Rig
 from pneuservo.simulation.initial_state import InitialState
-from pneuservo.simulation.inputs import Samples, require_kind, require_samples, require_times
-from pneuservo.simulation.trials import processors, run_trials, shortest_limit, trials_of
-
-# Off by no more than a few hundredths of a micrometre in most runs; shorter steps check that.
-BATCH_STEP = 100e-6
+from pneuservo.simulation.inputs import (
+    LARGEST_STEP,
+    Samples,
+    require_kind,
+    require_samples,
+    require_times,
+)
+from pneuservo.simulation.single_runs import SingleRuns
+from pneuservo.simulation.trials import (
+    processors,
+    run_trials,
+    shortest_limit,
+    trials_of,
+    usual_step,
+)
 
 
 @dataclass(frozen=True)
@@ -61,28 +77,33 @@ def simulate_batch(
     external_force: ArrayLike = 0.0,
     initial: InitialState | None = None,
     channels: Sequence[str] = ("displacement",),
-    largest_step: float = BATCH_STEP,
+    largest_step: float | None = None,
     jobs: int | None = None,
+    seed: int = 0,
 ) -> Batch:
     """Simulate the single axis many times, with parameters that differ from run to run.
 
     Parameters
     ----------
     rig : Rig or str, optional
-        A rig of kind ``single-axis``, or its name.
+        A rig of kind ``single-axis``, or its name. Effects and transducers that it has are
+        simulated.
     values : mapping of str to (n,) array or float, optional
         Parameter id to its value in each run, in SI; a number stands for all runs.
     time, command, demand, external_force, initial
         As in `pneuservo.simulation.simulate`; the same in all runs.
     controller : Controller or sequence of Controller, optional
-        One for all runs, or one for each; either all relays or none, and all of one kind. A card
-        is simulated by its figures.
+        One for all runs, or one for each; side by side either all relays or none, and all of one
+        kind.
     channels : sequence of str, optional
         What is kept of each run: names of `pneuservo.plant.outputs.OUTPUTS`.
     largest_step : float, optional
-        The integration never takes a longer step; events are located inside it [s].
+        The integration never takes a longer step; events are located inside it. By default
+        100 us, under a relay 50 us [s].
     jobs : int, optional
         Threads; by default one for each processor. The result does not depend on it.
+    seed : int, optional
+        Of the transducers' noise; run i has that of ``simulate(..., seed=(seed, i))``.
 
     Returns
     -------
@@ -97,9 +118,12 @@ def simulate_batch(
     Notes
     -----
     The equations are those of `simulate`, eight runs side by side in the lanes of the processor.
+    Rigs with effects or transducers, cards with their behaviour and sampled controllers do not fit
+    into lanes: they are simulated run by run, some seventy times slower, in steps no longer than
+    those of `simulate`.
     At the default step the displacement is mostly within 0.03 um of the exact one under a boundary
-    layer and 0.5 um under a relay; runs that are about to lose stability amplify that. Repeat
-    with half the step to see by how much each run moves.
+    layer and 0.2 um under a relay; runs that are about to lose stability amplify that, to 10 um.
+    Repeat with half the step to see by how much each run moves.
 
     Examples
     --------
@@ -111,7 +135,7 @@ def simulate_batch(
     >>> bool(runs["displacement"][0, 1] > runs["displacement"][1, 1])
     True
     """
-    rig = require_kind(rig, "single-axis")
+    rig = require_kind(rig, "single-axis", effects=True)
     times = require_times(time)
     inputs = _inputs(times, command, controller, demand, external_force)
     several = list(controller) if isinstance(controller, Sequence) else []
@@ -123,10 +147,39 @@ def simulate_batch(
         for i in range(count)
     ]
     controllers: list[Controller | None] = [*several] or [alone] * count
-    trials = trials_of(rigs, controllers, inputs, initial or InitialState())
-    step = shortest_limit(trials, largest_step)
-    outputs = run_trials(trials, times, inputs, places_of(channels), step, jobs or processors())
+    places, start, jobs = places_of(channels), initial or InitialState(), jobs or processors()
+    if fit_into_lanes(controllers, rig):
+        trials = trials_of(rigs, controllers, inputs, start)
+        if largest_step is None:
+            largest_step = usual_step(trials.laws[0])
+        step = shortest_limit(trials, largest_step)
+        outputs = run_trials(trials, times, inputs, places, step, jobs)
+    else:
+        longest = LARGEST_STEP if largest_step is None else min(largest_step, LARGEST_STEP)
+        single = SingleRuns(times, inputs, start, channels, longest, seed)
+        outputs = single.run(rigs, controllers, jobs)
     return Batch(rig, columns, times, dict(zip(channels, outputs, strict=True)))
+
+
+def fit_into_lanes(
+    controllers: Sequence[Controller | None], rig: Rig
+) -> TypeGuard[Sequence[ContinuousController | None]]:
+    """Return whether runs can be simulated side by side.
+
+    Parameters
+    ----------
+    controllers : sequence of Controller or None
+        Sampled ones and the behaviour of a card do not fit.
+    rig : Rig
+        Its effects and transducers do not fit.
+    """
+    if rig.effects or rig.transducers:
+        return False
+    return not any(
+        isinstance(controller, SampledController)
+        or (isinstance(controller, AnalogueCard) and controller.behaviour is not None)
+        for controller in controllers
+    )
 
 
 def places_of(channels: Sequence[str]) -> list[int]:

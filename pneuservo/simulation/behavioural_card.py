@@ -1,13 +1,15 @@
 """Running the plant under the behavioural card."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analog_card.behaviour import CardBehaviour, card_stages
+from analog_card.behaviour import CardBehaviour, Stages, card_stages
 from analog_card.behaviour_model import LARGEST_STEP as CARD_STEP
 from analog_card.behaviour_model import kernel_numbers, state_at_rest
+from analog_card.differentiator_kernel import CardNumbers
 from pneuservo.errors import InputError
 from pneuservo.plant import behavioural_card
 from pneuservo.plant import single_axis as places
@@ -19,41 +21,53 @@ from pneuservo.plant.single_axis import SingleAxis
 JITTER = 0.01
 
 
-def run_behaviour(
-    time: NDArray[np.float64],
-    inputs: NDArray[np.float64],
-    state: NDArray[np.float64],
-    behaviour: CardBehaviour,
-    sensitivity: float,
-    plant: SingleAxis,
-    grid: NDArray[np.float64],
-    largest_step: float,
-) -> NDArray[np.float64]:
-    """Return the outputs of plant and card at every time.
+@dataclass(frozen=True)
+class SteppedCard:
+    """A card ready to run beside a plant, both in fixed steps.
+
+    Parameters
+    ----------
+    time : (n,) array
+        Equally spaced [s].
+    stages : Stages
+        The card.
+    numbers : CardNumbers
+        The same for the kernels, for steps of this length.
+    steps, substeps : int
+        Steps of the plant from one time to the next, and of the card in each.
+    sensitivity : float
+        Displacement transducer [V/m].
+    """
+
+    time: NDArray[np.float64]
+    stages: Stages
+    numbers: CardNumbers
+    steps: int
+    substeps: int
+    sensitivity: float
+
+    def at_rest(self, displacement: float, demand: float) -> NDArray[np.float64]:
+        """Return the state of the card that has stood still at a displacement and demand [m]."""
+        return state_at_rest(
+            self.stages, self.numbers, self.sensitivity * displacement, self.sensitivity * demand
+        )
+
+
+def stepped_card(
+    time: NDArray[np.float64], behaviour: CardBehaviour, sensitivity: float, largest_step: float
+) -> SteppedCard:
+    """Return a card in steps that fit the times of a run.
 
     Parameters
     ----------
     time : (n,) array
         Equally spaced, but for `JITTER` [s].
-    inputs : (n, 2) array
-        Demand [m] and external force [N].
-    state : (6,) array
-        Of the plant at the first time; the card has been at rest there.
     behaviour : CardBehaviour
         The card.
     sensitivity : float
         Displacement transducer [V/m].
-    plant : SingleAxis
-        The numbers of the rig.
-    grid : (4, 51, 101) array
-        Discharge coefficients.
     largest_step : float
         The plant never takes a longer step [s]; the card's are shorter.
-
-    Returns
-    -------
-    (n, 10) array
-        One column per name of `pneuservo.plant.integrator.OUTPUTS`, in SI.
 
     Raises
     ------
@@ -65,19 +79,47 @@ def run_behaviour(
     steps = max(math.ceil(interval / largest_step - 1e-9), 1)
     substeps = max(math.ceil(interval / steps / CARD_STEP - 1e-9), 1)
     stages = card_stages(behaviour)
-    card = kernel_numbers(stages, interval / steps / substeps)
-    demand, transducer = inputs[0, places.COMMAND], state[places.DISPLACEMENT]
-    card_state = state_at_rest(stages, card, sensitivity * transducer, sensitivity * demand)
+    numbers = kernel_numbers(stages, interval / steps / substeps)
+    return SteppedCard(time, stages, numbers, steps, substeps, sensitivity)
+
+
+def run_behaviour(
+    inputs: NDArray[np.float64],
+    state: NDArray[np.float64],
+    card: SteppedCard,
+    plant: SingleAxis,
+    grid: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return the outputs of plant and card at every time.
+
+    Parameters
+    ----------
+    inputs : (n, 2) array
+        Demand [m] and external force [N].
+    state : (6,) array
+        Of the plant at the first time; the card has been at rest there.
+    card : SteppedCard
+        The card.
+    plant : SingleAxis
+        The numbers of the rig.
+    grid : (4, 51, 101) array
+        Discharge coefficients.
+
+    Returns
+    -------
+    (n, 10) array
+        One column per name of `pneuservo.plant.integrator.OUTPUTS`, in SI.
+    """
     return np.asarray(
         behavioural_card.run_with_card(
-            time,
+            card.time,
             inputs,
             state,
-            card_state,
-            sensitivity,
-            steps,
-            substeps,
-            card,
+            card.at_rest(state[places.DISPLACEMENT], inputs[0, places.COMMAND]),
+            card.sensitivity,
+            card.steps,
+            card.substeps,
+            card.numbers,
             OPEN_LOOP,
             plant,
             grid,

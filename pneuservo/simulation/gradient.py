@@ -10,11 +10,12 @@ from pneuservo.controllers import Controller
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.rigs import Rig
-from pneuservo.simulation.batch import BATCH_STEP, simulate_batch
+from pneuservo.simulation.batch import fit_into_lanes, simulate_batch
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.result import Simulation
 from pneuservo.simulation.run import simulate
+from pneuservo.simulation.trials import SMOOTH_STEP
 
 # Steps of a fixed sequence make a run smooth in its parameters, so that a difference this small
 # loses only about 1e-5 to rounding; longer ones pass over kinks of the valve tables, which under a
@@ -52,7 +53,7 @@ def simulate_gradient(
     external_force: ArrayLike = 0.0,
     initial: InitialState | None = None,
     channels: Sequence[str] = ("displacement",),
-    largest_step: float = BATCH_STEP,
+    largest_step: float = SMOOTH_STEP,
     jobs: int | None = None,
 ) -> Gradient:
     """Simulate the single axis once, and its derivatives with respect to parameters.
@@ -68,7 +69,7 @@ def simulate_gradient(
     channels : sequence of str, optional
         Whose derivatives are wanted.
     largest_step : float, optional
-        As in `pneuservo.simulation.simulate_batch`.
+        The integration never takes a longer step; events are located inside it [s].
     jobs : int, optional
         Threads; eight parameters are the work of one.
 
@@ -85,7 +86,10 @@ def simulate_gradient(
     Notes
     -----
     One-sided differences with a relative step of 1e-7. Since events are located inside the steps,
-    the derivative is also right where friction or a relay switches; the controller stays as it is.
+    the derivative of the run in these steps is right also where friction or a relay switches; the
+    controller stays as it is. Under a relay it is far more sensitive to the step than the run: of
+    a step of 5 mm, at 100 us, the derivatives with respect to mass, friction and spool frequency
+    are off by 8, 84 and 75 % of their largest value, at 10 us by 1, 1 and 7 %.
 
     Examples
     --------
@@ -96,6 +100,11 @@ def simulate_gradient(
     True
     """
     rig = require_kind(rig, "single-axis")
+    if not fit_into_lanes([controller], rig):
+        raise InputError(
+            "a gradient needs exact transducers, and a controller that neither samples nor is the "
+            "behaviour of a card; leave [transducers] out, or take the card by its figures"
+        )
     if not parameters:
         raise InputError("no parameter is given to differentiate with respect to")
     steps = np.array([RELATIVE_STEP * abs(_value(rig, key)) for key in parameters])

@@ -1,5 +1,7 @@
 """What a run is given, checked before the kernels see it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,6 +14,28 @@ Samples = NDArray[np.float64]
 LARGEST_STEP = 20e-6
 # About ten minutes of computing; a longer span is a slip in the unit of the time.
 _MOST_STEPS = 2_000_000_000
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What drives a run from outside, one value for each time.
+
+    Parameters
+    ----------
+    time : (n,) array
+        [s].
+    held : (n,) array
+        Command [V] or demand [m], each value held until the next time.
+    force : (n,) array
+        At the rod, positive when it resists extension, held likewise [N].
+    supply_pressure : (n,) array or None
+        Of the source, straight between the times; None for the rig's [Pa].
+    """
+
+    time: Samples
+    held: Samples
+    force: Samples
+    supply_pressure: Samples | None = None
 
 
 def require_kind(rig: Rig | str, kind: str, effects: bool = False) -> Rig:

@@ -8,11 +8,12 @@ from pneuservo.errors import InputError
 from pneuservo.plant.from_rig import single_axis
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
+from pneuservo.simulation.dead_volume import simulate_dead_volume
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import require_kind
+from pneuservo.simulation.readings import Seed
 from pneuservo.simulation.result import Simulation
-from pneuservo.simulation.run import simulate, simulate_dead_volume
-from pneuservo.simulation.servo import state_behind
+from pneuservo.simulation.run import simulate
 
 
 def replay(
@@ -20,6 +21,7 @@ def replay(
     rig: Rig | str | None = None,
     port: str | None = None,
     warn: Callable[[str], None] = lambda message: None,
+    seed: Seed = 0,
 ) -> Simulation:
     """Simulate what the rig should have done under the command that was recorded.
 
@@ -35,6 +37,8 @@ def replay(
         recorded pressure rises with the command.
     warn : callable, optional
         Called with a sentence about anything that was assumed.
+    seed : int or sequence of int, optional
+        Of the transducers' noise, where the rig has any.
 
     Returns
     -------
@@ -61,11 +65,14 @@ def replay(
             command=recording["valve_voltage"],
             port=port or _port(recording, warn),
             initial_pressure=start,
+            seed=seed,
         )
     if port is not None:
         raise InputError(f"a port belongs to a test volume; rig {rig.name} is of kind {rig.kind}")
     first_sample = initial_state(recording, rig, warn)
     if rig.effects:
+        from pneuservo.simulation.servo import state_behind
+
         rig = require_kind(rig, "single-axis", effects=True)
         first_sample = state_behind(first_sample, rig, single_axis(rig))
     return simulate(
@@ -75,6 +82,7 @@ def replay(
         external_force=_force(recording, warn),
         supply_pressure=_supply(recording, warn),
         initial=first_sample,
+        seed=seed,
     )
 
 

@@ -5,10 +5,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pneuservo.controllers import AnalogueCard, Controller
-from pneuservo.effects.servo import servo_effects
+from pneuservo.controllers import AnalogueCard, Controller, SampledController
 from pneuservo.errors import InputError
-from pneuservo.plant import dead_volume as dead_volume_kernels
 from pneuservo.plant import from_rig, single_run
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
@@ -16,17 +14,21 @@ from pneuservo.plant.exponential import step_limit
 from pneuservo.plant.outputs import OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B, OUTPUTS
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
-from pneuservo.simulation.behavioural_card import run_behaviour
+from pneuservo.simulation.behavioural_card import run_behaviour, stepped_card
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import (
     LARGEST_STEP,
+    Driven,
     Samples,
     require_kind,
     require_samples,
     require_times,
 )
+from pneuservo.simulation.readings import (
+    Seed,
+)
 from pneuservo.simulation.result import Simulation
-from pneuservo.simulation.servo import run_with_effects
+from pneuservo.simulation.sampled import simulate_sampled
 
 # Share of the shortest time constant of spool and card that a step may take.
 _STEP_PER_TIME_CONSTANT = 0.5
@@ -43,13 +45,15 @@ def simulate(
     supply_pressure: ArrayLike | None = None,
     initial: InitialState | None = None,
     largest_step: float = LARGEST_STEP,
+    seed: Seed = 0,
 ) -> Simulation:
     """Simulate the single axis: open loop on a command, or closed loop under a controller.
 
     Parameters
     ----------
     rig : Rig or str, optional
-        A rig of kind ``single-axis``, or its name. Its effects, if it has any, are simulated.
+        A rig of kind ``single-axis``, or its name. Effects and transducers that it has are
+        simulated.
     time : (n,) array
         Times of the result, strictly increasing [s].
     command : (n,) array or float, optional
@@ -66,6 +70,8 @@ def simulate(
         By default at rest at the first demand, or at mid-stroke without one.
     largest_step : float, optional
         The integration never takes a longer step; events are located inside it [s].
+    seed : int or sequence of int, optional
+        Of the transducers' noise, where the rig has any.
 
     Returns
     -------
@@ -82,7 +88,9 @@ def simulate(
     Fixed steps of an exponential Runge-Kutta method of order 4; stick and slip, end stops, spool
     limits and relay switching are located inside the step. Changes of command, demand and force
     fall between steps.
-    With effects `pneuservo.plant.servo` takes over, and the channels are what transducers read.
+    With effects `pneuservo.plant.servo` takes over, and the channels are what transducers read. The
+    controller hears the displacement that is recorded, but for wiper play and resolution, with a
+    noise that holds from time to time: its bandwidth is that of the times.
 
     Examples
     --------
@@ -92,124 +100,54 @@ def simulate(
     """
     rig = require_kind(rig, "single-axis", effects=True)
     times = require_times(time)
+    law, held = _law_and_held(rig, controller, command, demand, times)
+    force = require_samples("external_force", external_force, times)
+    supply = None
+    if supply_pressure is not None:
+        supply = require_samples("supply_pressure", supply_pressure, times)
+    driven = Driven(times, held, force, supply)
+    start, plant = initial or InitialState(), from_rig.single_axis(rig)
+    rest = 0.5 * plant.piston.stroke if controller is None else float(held[0])
+    step = integration_step(largest_step, plant.valve.spool_frequency, law)
+    if isinstance(controller, SampledController):
+        return simulate_sampled(controller, rig, driven, start, step, seed)
+    behaviour = controller.behaviour if isinstance(controller, AnalogueCard) else None
+    if rig.effects or rig.transducers or supply is not None:
+        # Imported when needed: its kernels make up a tenth of a new process' first run.
+        from pneuservo.simulation.servo import run_with_effects
+
+        columns, finite = run_with_effects(rig, driven, start, rest, law, behaviour, step, seed)
+        require_finite(times, finite)
+        return simulation_of(rig, times, columns, controller, law, held, force)
+    grid, state = from_rig.valve_grid(rig.valve), start.state(plant, rest, float(force[0]))
+    inputs = np.column_stack((held, force))
+    if behaviour is not None:
+        card = stepped_card(times, behaviour, law.sensitivity, step)
+        outputs = run_behaviour(inputs, state, card, plant, grid)
+    else:
+        outputs = _run_baseline(times, inputs, state, law, plant, grid, largest_step)
+    require_sound(times, outputs)
+    columns = dict(zip(OUTPUTS, outputs.T, strict=True))
+    return simulation_of(rig, times, columns, controller, law, held, force)
+
+
+def _law_and_held(
+    rig: Rig,
+    controller: Controller | None,
+    command: ArrayLike | None,
+    demand: ArrayLike | None,
+    times: Samples,
+) -> tuple[ControlLaw, Samples]:
+    """Return what commands the valve, and the command or demand that holds from time to time."""
     if (command is None) == (controller is None):
         raise InputError("give either a command or a controller with a demand")
     if controller is None:
-        law, held = OPEN_LOOP, require_samples("command", command, times)
-    elif demand is None:
+        return OPEN_LOOP, require_samples("command", command, times)
+    if demand is None:
         raise InputError(f"controller {controller.kind} needs a demand in m")
-    else:
-        law, held = controller.law(rig), require_samples("demand", demand, times)
-    plant = from_rig.single_axis(rig)
-    force = require_samples("external_force", external_force, times)
-    rest = 0.5 * plant.piston.stroke if controller is None else float(held[0])
-    grid = from_rig.valve_grid(rig.valve)
-    step = _step(largest_step, plant.valve.spool_frequency, law)
-    behaviour = controller.behaviour if isinstance(controller, AnalogueCard) else None
-    if rig.effects or supply_pressure is not None:
-        if behaviour is not None:
-            raise InputError(
-                "the card's behavioural model drives the baseline only: simulate the card by its "
-                "figures, or leave out [effects] and the measured supply pressure"
-            )
-        supply = None
-        if supply_pressure is not None:
-            supply = require_samples("supply_pressure", supply_pressure, times)
-        columns, finite = run_with_effects(
-            servo_effects(rig.effect_values),
-            times,
-            held,
-            force,
-            supply,
-            initial or InitialState(),
-            rest,
-            law,
-            plant,
-            grid,
-            step,
-        )
-        _require_finite(times, finite)
-        return _result(rig, times, columns, controller, law, held, force)
-    state = (initial or InitialState()).state(plant, rest, float(force[0]))
-    inputs = np.column_stack((held, force))
-    if behaviour is not None:
-        outputs = run_behaviour(times, inputs, state, behaviour, law.sensitivity, plant, grid, step)
-    else:
-        outputs = _run_baseline(times, inputs, state, law, plant, grid, largest_step)
-    _require_sound(times, outputs)
-    columns = dict(zip(OUTPUTS, outputs.T, strict=True))
-    return _result(rig, times, columns, controller, law, held, force)
-
-
-def simulate_dead_volume(
-    rig: Rig | str = "dead-volume",
-    *,
-    time: ArrayLike,
-    command: ArrayLike,
-    port: str = "a",
-    initial_pressure: float | None = None,
-    largest_step: float = LARGEST_STEP,
-) -> Simulation:
-    """Simulate a closed test volume behind one port of the valve.
-
-    Parameters
-    ----------
-    rig : Rig or str, optional
-        A rig of kind ``dead-volume``, or its name.
-    time : (n,) array
-        Times of the result, strictly increasing [s].
-    command : (n,) array or float
-        Voltage into the valve driver, held until the next time; the spool follows at once [V].
-    port : str, optional
-        ``"a"`` is charged by a positive command, ``"b"`` by a negative one.
-    initial_pressure : float, optional
-        Absolute pressure at the first time; the ambient pressure by default [Pa].
-    largest_step : float, optional
-        The integration never takes a longer step [s].
-
-    Returns
-    -------
-    Simulation
-        The run: ``dead_volume_pressure``, ``valve_voltage`` and ``spool`` at every time, in SI.
-
-    Raises
-    ------
-    InputError
-        When the rig is not one this can simulate, or an argument cannot be used.
-
-    Examples
-    --------
-    >>> run = simulate_dead_volume(time=[0.0, 1.0], command=5.0)
-    >>> round(run["dead_volume_pressure"][1])
-    650000
-    """
-    rig = require_kind(rig, "dead-volume")
-    times = require_times(time)
-    voltage = require_samples("command", command, times)
-    ports = {"a": dead_volume_kernels.PORT_A, "b": dead_volume_kernels.PORT_B}
-    if port not in ports:
-        raise InputError(f"port is {port!r}; the valve has the ports 'a' and 'b'")
-    plant = from_rig.dead_volume(rig)
-    start = plant.ambient_pressure if initial_pressure is None else float(initial_pressure)
-    if not 0.0 < start < math.inf:
-        raise InputError(f"initial pressure is {start:g} Pa; it has to be greater than 0")
-    pressure = dead_volume_kernels.run_dead_volume(
-        times,
-        voltage,
-        start,
-        ports[port],
-        plant,
-        from_rig.valve_grid(rig.valve),
-        _step(largest_step, 0.0, OPEN_LOOP),
-    )
-    _require_finite(times, np.isfinite(pressure[:, np.newaxis]).all(axis=1))
-    full = plant.valve.full_voltage
-    channels = {
-        "valve_voltage": voltage,
-        "spool": np.clip(voltage / full, -1.0, 1.0),
-        "dead_volume_pressure": pressure,
-    }
-    return Simulation(rig, times, channels)
+    # A sampled controller holds its voltage.
+    law = OPEN_LOOP if isinstance(controller, SampledController) else controller.law(rig)
+    return law, require_samples("demand", demand, times)
 
 
 def _run_baseline(
@@ -228,13 +166,33 @@ def _run_baseline(
     return outputs
 
 
-def _require_sound(times: Samples, outputs: Samples) -> None:
+def require_sound(times: Samples, outputs: Samples) -> None:
+    """Refuse the outputs of a run whose state is not finite, or whose pressures not positive.
+
+    Parameters
+    ----------
+    times : (n,) array
+        [s].
+    outputs : (n, 10) array
+        By `pneuservo.plant.outputs.OUTPUTS`, in SI.
+    """
     pressures = outputs[:, [OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B]]
     states = outputs[:, : places.PLANT_STATES]
-    _require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
+    require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
 
 
-def _step(largest_step: float, spool_frequency: float, law: ControlLaw) -> float:
+def integration_step(largest_step: float, spool_frequency: float, law: ControlLaw) -> float:
+    """Return a step that spool and card allow [s].
+
+    Parameters
+    ----------
+    largest_step : float
+        What is asked for [s].
+    spool_frequency : float
+        Of the valve; 0 for a spool held still [rad/s].
+    law : ControlLaw
+        What commands the valve.
+    """
     if not 0.0 < largest_step < math.inf:
         raise InputError(f"largest_step is {largest_step:g} s; it has to be greater than 0")
     fastest = spool_frequency
@@ -255,17 +213,35 @@ def with_card_at_rest(state: NDArray[np.float64], law: ControlLaw) -> NDArray[np
     return full
 
 
-def _require_finite(times: NDArray[np.float64], finite: NDArray[np.bool_]) -> None:
+class BrokenRunError(InputError):
+    """The state of a run is not finite, or a pressure not positive."""
+
+
+def require_finite(times: NDArray[np.float64], finite: NDArray[np.bool_]) -> None:
+    """Refuse a run whose state is not finite, or a pressure not positive, at some time.
+
+    Parameters
+    ----------
+    times : (n,) array
+        [s].
+    finite : (n,) array of bool
+        Where all is well.
+
+    Raises
+    ------
+    BrokenRunError
+        When it is not well everywhere.
+    """
     if not finite.all():
         k = int(np.argmin(finite))
-        raise InputError(
+        raise BrokenRunError(
             f"the simulated state stops being finite, or a pressure positive, at t = {times[k]:g} "
             "s: the parameters make the rig faster than the integration step; check them, or give "
             "a smaller largest_step"
         )
 
 
-def _result(
+def simulation_of(
     rig: Rig,
     times: NDArray[np.float64],
     columns: dict[str, NDArray[np.float64]],
@@ -274,6 +250,25 @@ def _result(
     held: NDArray[np.float64],
     force: NDArray[np.float64],
 ) -> Simulation:
+    """Return the run that outputs of the kernels make.
+
+    Parameters
+    ----------
+    rig : Rig
+        The rig.
+    times : (n,) array
+        [s].
+    columns : dict of str to (n,) array
+        By `pneuservo.plant.outputs.OUTPUTS`, in SI; used up.
+    controller : Controller or None
+        What closed the loop.
+    law : ControlLaw
+        The same as the kernels take it.
+    held : (n,) array
+        Command [V] or demand [m].
+    force : (n,) array
+        At the rod [N].
+    """
     surface = columns.pop("surface")
     taps = {name: columns.pop(name) for name in ("card_velocity", "card_acceleration")}
     channels = dict(columns)

@@ -6,66 +6,65 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from analog_card.behaviour import CardBehaviour
 from pneuservo.effects.servo import servo_effects
-from pneuservo.plant.control_law import ControlLaw
+from pneuservo.plant.control_law import OPEN_LOOP, ControlLaw
+from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo import layout
+from pneuservo.plant.servo.behavioural_card import run_servo_with_card
+from pneuservo.plant.servo.chain import heard
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
-from pneuservo.plant.servo.layout import Fed, Servo
+from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import resting_force, servo_inputs, servo_state
 from pneuservo.plant.servo.transducers import (
-    read_displacement,
+    in_steps,
+    play,
     read_pressures,
     true_motion,
     true_pressures,
 )
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
+from pneuservo.simulation.behavioural_card import SteppedCard, stepped_card
 from pneuservo.simulation.initial_state import InitialState
+from pneuservo.simulation.inputs import Driven
+from pneuservo.simulation.readings import EXACT, Noise, Seed, draw_noise, within_range
 
 Samples = NDArray[np.float64]
 
 
 def run_with_effects(
-    effects: ServoEffects,
-    time: Samples,
-    held: Samples,
-    force: Samples,
-    supply_pressure: Samples | None,
+    rig: Rig,
+    driven: Driven,
     initial: InitialState,
     rest: float,
     law: ControlLaw,
-    plant: SingleAxis,
-    grid: Samples,
+    behaviour: CardBehaviour | None,
     largest_step: float,
+    seed: Seed,
 ) -> tuple[dict[str, Samples], NDArray[np.bool_]]:
     """Return what the transducers read in a run, by channel, and where the state is finite.
 
     Parameters
     ----------
-    effects : ServoEffects
-        The effects.
-    time : (n,) array
-        [s].
-    held : (n,) array
-        Command [V] or demand [m].
-    force : (n,) array
-        At the rod [N].
-    supply_pressure : (n,) array or None
-        Of the source; None for the rig's [Pa].
+    rig : Rig
+        With its effects and transducers.
+    driven : Driven
+        What drives the run.
     initial : InitialState
         Where it starts.
     rest : float
         Displacement where none is given [m].
     law : ControlLaw
         What commands the valve.
-    plant : SingleAxis
-        The numbers of the rig.
-    grid : (4, 51, 101) array
-        Discharge coefficients.
+    behaviour : CardBehaviour or None
+        Commands it instead of the law, whose transducer it has.
     largest_step : float
         [s].
+    seed : int or sequence of int
+        Of the transducers' noise.
 
     Returns
     -------
@@ -73,36 +72,94 @@ def run_with_effects(
         The columns of `pneuservo.plant.servo.layout.OUTPUTS` that are channels or taps.
     (n,) array of bool
         False where the integration broke down.
+
+    Raises
+    ------
+    InputError
+        When a start is impossible, or the times do not suit the behaviour of a card.
     """
-    servo = Servo(plant, effects, law, Fed())
-    supply = np.full(len(time), plant.supply_pressure)
-    if supply_pressure is not None:
-        supply = supply_pressure
+    plant, effects = single_axis(rig), servo_effects(rig.effect_values)
+    noise = draw_noise(rig, len(driven.time), seed)
+    span = rig.transducers.get("displacement", EXACT)
+    law_beside = law if behaviour is None else OPEN_LOOP
+    servo = Servo(plant, effects, law_beside, displacement_range=(span.low, span.high))
+    supply = driven.supply_pressure
+    if supply is None:
+        supply = np.full(len(driven.time), plant.supply_pressure)
     place = rest if initial.displacement is None else initial.displacement
-    start = initial.state(plant, rest, float(force[0]) + resting_force(place, plant, effects))
-    inputs = servo_inputs(time, supply, command=held, external_force=force)
-    state = servo_state(start, servo, float(supply[0]))
-    out = run_servo(inputs, np.zeros(len(time), dtype=bool), state, servo, grid, largest_step)
-    columns: dict[str, Samples] = dict(zip(layout.OUTPUTS, out.T, strict=True))
+    own = float(driven.force[0]) + resting_force(place, plant, effects)
+    inputs = servo_inputs(
+        driven.time,
+        supply,
+        command=driven.held,
+        external_force=driven.force,
+        displacement_noise=noise.displacement,
+    )
+    state = servo_state(initial.state(plant, rest, own), servo, float(supply[0]))
+    grid = valve_grid(rig.valve)
+    if behaviour is None:
+        out = run_servo(inputs, state, servo, grid, largest_step)
+    else:
+        card = stepped_card(driven.time, behaviour, law.sensitivity, largest_step)
+        out = _run_beside_card(inputs, state, card, servo, grid)
+    columns = dict(zip(layout.OUTPUTS, out.T, strict=True))
     finite: NDArray[np.bool_] = np.isfinite(out[:, :6]).all(axis=1)
+    finite &= (columns["pressure_a"] > 0.0) & (columns["pressure_b"] > 0.0)
+    return _read(columns, rig, driven, noise, effects, plant), finite
+
+
+def _run_beside_card(
+    inputs: Samples, state: Samples, card: SteppedCard, servo: Servo, grid: Samples
+) -> Samples:
+    inputs[:, layout.TIME] = card.time
+    reading, _, _ = heard(state, 0.0, servo)
+    # The card has settled on a quiet reading; what noise does begins with the first sample.
+    at_rest = card.at_rest(float(reading), inputs[0, layout.COMMAND])
+    out: Samples = run_servo_with_card(
+        inputs, state, at_rest, card.sensitivity, card.steps, card.substeps, card.numbers,
+        servo, grid,
+    )  # fmt: skip
+    return out
+
+
+def _read(
+    columns: dict[str, Samples],
+    rig: Rig,
+    driven: Driven,
+    noise: Noise,
+    effects: ServoEffects,
+    plant: SingleAxis,
+) -> dict[str, Samples]:
+    """Return the channels as they are recorded, those that nothing has left out."""
+    sensor, transducers = effects.sensor, rig.transducers
     flow_a, flow_b = columns.pop("mass_flow_a"), columns.pop("mass_flow_b")
-    for name in ("driving_force", "friction_force"):
-        del columns[name]
-    columns["displacement"] = read_displacement(columns["displacement"], effects.sensor)
-    columns["pressure_a"], columns["pressure_b"] = read_pressures(
-        time,
+    place = columns["displacement"]
+    if sensor.wiper_play > 0.0:
+        place = play(place, sensor.wiper_play)
+    place = place + noise.displacement
+    reading = within_range(place, transducers.get("displacement", EXACT))
+    for name in ("velocity", "acceleration"):
+        columns[name] = np.where(reading == place, columns[name], 0.0)
+    columns["displacement"] = in_steps(reading, sensor.displacement_step)
+    pressures = read_pressures(
+        driven.time,
         columns["pressure_a"],
         columns["pressure_b"],
         flow_a,
         flow_b,
         plant.gas,
-        effects.sensor,
+        sensor,
     )
-    if supply_pressure is None and effects.supply == ServoEffects().supply:
+    for name, pressure, added in zip(
+        ("pressure_a", "pressure_b"), pressures, (noise.pressure_a, noise.pressure_b), strict=True
+    ):
+        read = within_range(pressure + added, transducers.get("pressure", EXACT))
+        columns[name] = in_steps(read, sensor.pressure_step)
+    if driven.supply_pressure is None and effects.supply == ServoEffects().supply:
         del columns["supply_pressure"]
     if not has_energy_balance(effects.chamber):
         del columns["temperature_a"], columns["temperature_b"]
-    return columns, finite
+    return columns
 
 
 def state_behind(initial: InitialState, rig: Rig, plant: SingleAxis) -> InitialState:

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.controllers import AnalogueCard, Controller
+from pneuservo.controllers import ContinuousController
 from pneuservo.errors import InputError
 from pneuservo.plant import from_rig
 from pneuservo.plant.batch_run import run_batch
-from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
+from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw, is_relay
 from pneuservo.plant.exponential import step_limit
 from pneuservo.plant.lanes import WIDTH
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
@@ -23,6 +23,10 @@ from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import Samples
 from pneuservo.simulation.run import with_card_at_rest
 
+# A boundary layer is off by a few hundredths of a micrometre in most runs. A relay's events cost
+# more than the steps between them: half the step costs a third more, and the worst of many runs is
+# off by 8 um instead of 160 um.
+SMOOTH_STEP, RELAY_STEP = 100e-6, 50e-6
 # Pieces of the work for each thread, for an even load at the end.
 _SHARES_PER_THREAD = 4
 
@@ -53,7 +57,7 @@ class Trials:
 
 def trials_of(
     rigs: Sequence[Rig],
-    controllers: Sequence[Controller | None],
+    controllers: Sequence[ContinuousController | None],
     inputs: Samples,
     initial: InitialState,
 ) -> Trials:
@@ -76,7 +80,7 @@ def trials_of(
         When a rig or a start is impossible, or the controllers cannot run side by side.
     """
     laws = [
-        OPEN_LOOP if controller is None else _law(controller, rig)
+        OPEN_LOOP if controller is None else controller.law(rig)
         for controller, rig in zip(controllers, rigs, strict=True)
     ]
     if len({(law.source, math.isinf(law.gain)) for law in laws}) != 1:
@@ -93,6 +97,11 @@ def trials_of(
             state = with_card_at_rest(state, law)
         states[i, : len(state)] = state
     return Trials(laws, plants, states, from_rig.valve_grid(rigs[0].valve))
+
+
+def usual_step(law: ControlLaw) -> float:
+    """Return the longest step of a batch under a kind of law [s]."""
+    return RELAY_STEP if is_relay(law) else SMOOTH_STEP
 
 
 def shortest_limit(trials: Trials, largest_step: float) -> float:
@@ -174,15 +183,6 @@ def run_trials(
 def processors() -> int:
     """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _law(controller: Controller, rig: Rig) -> ControlLaw:
-    if isinstance(controller, AnalogueCard) and controller.behaviour is not None:
-        raise InputError(
-            "a batch simulates the card by its figures, not by its behaviour; give "
-            "AnalogueCard(figures), or run the behaviour with simulate"
-        )
-    return controller.law(rig)
 
 
 def floats_of(values: tuple[Any, ...]) -> list[float]:

@@ -38,7 +38,7 @@ def test_the_examples_of_the_help_run(run, tmp_path):
     examples = [
         line.strip() for line in helped.output.splitlines() if "pneuservo simulate --" in line
     ]
-    assert len(examples) == 3
+    assert len(examples) == 4
     assert helped.output.rstrip().endswith(examples[-1])
     for example in examples:
         done = run(*shlex.split(example)[2:])
@@ -66,6 +66,27 @@ def test_json_is_all_that_is_printed(run):
     assert report["steps"][0]["target"] == 0.024
     assert report["steps"][0]["rise_time"] == pytest.approx(0.044, abs=1e-3)
     assert report["limit_cycle"] is None
+
+
+def test_a_controller_on_a_computer_is_shaped_by_options(run):
+    loop = ["--demand", "15,24 mm", "--hold", "20 ms", "--json"]
+    for kind, *shape in (
+        ("digital-sliding-mode", "--accelerometer", "--boundary-layer", "0"),
+        ("digital-state-feedback", "--gain", "0.3", "--no-accelerometer"),
+        ("hybrid-sliding-mode", "--settling-time", "50 ms"),
+        ("discrete-sliding-mode", "--reaching-share", "0.4"),
+    ):
+        done = run("--controller", kind, "--sampling-time", "2 ms", *shape, *loop)
+        assert done.exit_code == 0, done.output
+        controller = json.loads(done.stdout)["controller"]
+        assert controller["kind"] == kind
+        assert controller["sampling_time"] == 2e-3
+    wrong = run("--controller", "hybrid-sliding-mode", "--accelerometer", *loop)
+    assert wrong.exit_code == 2
+    assert "--accelerometer is not an option of the controller hybrid-sliding-mode" in wrong.stderr
+    fast = run("--controller", "digital-sliding-mode", "--sampling-time", "15 us", *loop)
+    assert fast.exit_code == 2
+    assert "sample more slowly" in fast.stderr
 
 
 def test_options_reach_the_controller(run):

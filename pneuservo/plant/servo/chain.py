@@ -13,12 +13,7 @@ from pneuservo.plant.servo.compilation import compiled, compiled_apart
 from pneuservo.plant.servo.drive import delayed_command, given
 from pneuservo.plant.servo.layout import (
     COMMAND,
-    FED_DISPLACEMENT,
-    FED_PRESSURE_A,
-    FED_PRESSURE_B,
-    FED_SPOOL,
-    FED_VELOCITY,
-    INTERVAL,
+    DISPLACEMENT_NOISE,
     LAGGED_DISPLACEMENT,
     PLAY,
     SERVO_STATES,
@@ -86,6 +81,31 @@ def heard(state, second, servo):
     )
 
 
+@compiled
+def reading(state, second, drive, servo):
+    """Return what the controller reads of the motion [m], [m/s], [m/s^2].
+
+    Parameters
+    ----------
+    state, drive, servo
+        As in `derivative`.
+    second : float
+        Acceleration of the piston [m/s^2].
+
+    Notes
+    -----
+    The transducer's motion with its noise, which holds from sample to sample, inside its range.
+    """
+    displacement, velocity, second = heard(state, second, servo)
+    noisy = displacement + drive[0, DISPLACEMENT_NOISE]
+    low, high = servo.displacement_range
+    if noisy < low:
+        return low, 0.0, 0.0
+    if noisy > high:
+        return high, 0.0, 0.0
+    return noisy, velocity, second
+
+
 @compiled_apart
 def surface(state, modes, memory, drive, elapsed, servo):
     """Return the switching function of the law, in its own unit.
@@ -97,7 +117,7 @@ def surface(state, modes, memory, drive, elapsed, servo):
     """
     law, demand = servo.law, given(drive, COMMAND, elapsed)
     if law.source == CARD_TAPS:
-        displacement, _, _ = heard(state, 0.0, servo)
+        displacement, _, _ = reading(state, 0.0, drive, servo)
         return switching_surface(
             law.sensitivity * (displacement - demand),
             -differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant),
@@ -105,7 +125,7 @@ def surface(state, modes, memory, drive, elapsed, servo):
             law,
         )
     second = piston_acceleration(state, modes, memory, drive, elapsed, servo)
-    displacement, velocity, second = heard(state, second, servo)
+    displacement, velocity, second = reading(state, second, drive, servo)
     return switching_surface(displacement - demand, velocity, second, law)
 
 
@@ -138,33 +158,6 @@ def motor_command(command, memory, rows, drive, elapsed, servo):
     now = given(drive, TIME, elapsed)
     late = delayed_command(command, memory, rows, now, servo)
     return biased_with_play(late, memory[PLAY], servo.plant.valve.full_voltage, servo.effects.spool)
-
-
-@compiled
-def fed_motion(drive, elapsed):
-    """Return velocity [m/s] and acceleration [m/s^2] of a motion that is given by samples.
-
-    Parameters
-    ----------
-    drive, elapsed
-        As in `derivative`.
-
-    Notes
-    -----
-    Cubic between the samples, with their velocities at the ends (Hermite): volume and its rate
-    then agree, so that no pressure builds up from sample to sample.
-    """
-    interval = drive[0, INTERVAL]
-    if interval <= 0.0:
-        return drive[0, FED_VELOCITY], drive[1, FED_VELOCITY]
-    ends = 0.5 * drive[1, FED_VELOCITY] * interval
-    bulge = 6.0 * (drive[1, FED_DISPLACEMENT] - drive[0, FED_VELOCITY] - ends)
-    along = elapsed / interval
-    velocity = drive[0, FED_VELOCITY] + drive[1, FED_VELOCITY] * elapsed
-    return (
-        velocity + bulge * along * (1.0 - along),
-        drive[1, FED_VELOCITY] + bulge * (1.0 - 2.0 * along) / interval,
-    )
 
 
 @compiled
@@ -203,9 +196,9 @@ def write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
 
 
 @compiled
-def _write_card_rates(state, servo, rate):
+def _write_card_rates(state, drive, servo, rate):
     law = servo.law
-    displacement, _, _ = heard(state, 0.0, servo)
+    displacement, _, _ = reading(state, 0.0, drive, servo)
     rate[CARD_LAGGED_1], rate[CARD_DERIVATIVE_1] = differentiator_rates(
         law.sensitivity * displacement,
         state[CARD_LAGGED_1],
@@ -236,37 +229,25 @@ def derivative(state, modes, memory, rows, drive, elapsed, servo, grid, rate):
         What changes only from step to step; places as in `layout`.
     rows : (1024, 4) array
         The past that delays look up.
-    drive : (2, 10) array
-        The inputs at the last sample and their rates, and the interval; columns as in `layout`.
+    drive : (2, 5) array
+        The inputs at the last sample and their rates; columns as in `layout`.
     elapsed : float
         Time since the last sample [s].
     servo : Servo
-        The numbers of rig, effects and law, and what is fed.
+        The numbers of rig, effects and law.
     grid : (4, 51, 101) array
         Discharge coefficients, from `pneuservo.plant.valve.discharge_grid`.
     rate : array
         Written: the rate of the state in SI per second.
     """
-    fed = servo.fed
     long = state.shape[0] > PLANT_STATES
     if long:
         for i in range(PLANT_STATES, SERVO_STATES):
             rate[i] = 0.0
-    if fed.motion:
-        velocity, rate[VELOCITY] = fed_motion(drive, elapsed)
-        rate[DISPLACEMENT] = velocity
-    else:
-        velocity = mechanical_rates(state, modes, memory, drive, elapsed, servo, rate)
+    velocity = mechanical_rates(state, modes, memory, drive, elapsed, servo, rate)
     if long:
         hanging_rates(state, velocity, rate[VELOCITY], servo, rate)
-    if fed.pressures:
-        rate[PRESSURE_A], rate[PRESSURE_B] = drive[1, FED_PRESSURE_A], drive[1, FED_PRESSURE_B]
-        rate[SPOOL], rate[SPOOL_RATE] = 0.0, 0.0
-        return
     pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, rate)
-    if fed.spool:
-        rate[SPOOL], rate[SPOOL_RATE] = drive[1, FED_SPOOL], 0.0
-    else:
-        write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate)
+    write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate)
     if servo.law.source == CARD_TAPS:
-        _write_card_rates(state, servo, rate)
+        _write_card_rates(state, drive, servo, rate)

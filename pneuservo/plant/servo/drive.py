@@ -10,7 +10,7 @@ def given(drive, column, elapsed):
 
     Parameters
     ----------
-    drive : (2, 10) array
+    drive : (2, 5) array
         The inputs at the last sample and their rates.
     column : int
         Which input, from `layout`.

@@ -54,12 +54,8 @@ def margin(state, modes, memory, rows, drive, elapsed, servo):
     state, modes, memory, rows, drive, elapsed, servo
         As in `pneuservo.plant.servo.chain.derivative`.
     """
-    least = 1.0
-    if not servo.fed.motion:
-        force, held = force_and_piston(state, modes, memory, drive, elapsed, servo)
-        least = motion_margin(modes[MOTION], state[DISPLACEMENT], state[VELOCITY], force, held)
-    if servo.fed.pressures or servo.fed.spool:
-        return least
+    force, held = force_and_piston(state, modes, memory, drive, elapsed, servo)
+    least = motion_margin(modes[MOTION], state[DISPLACEMENT], state[VELOCITY], force, held)
     least = min(least, spool_margin(state, modes, memory, rows, drive, elapsed, servo))
     if is_relay(servo.law):
         value = surface(state, modes, memory, drive, elapsed, servo)
@@ -80,10 +76,7 @@ def settle(state, modes, memory, rows, drive, elapsed, servo):
     memory, rows, drive, elapsed, servo
         As in `pneuservo.plant.servo.chain.derivative`.
     """
-    if not servo.fed.motion:
-        _settle_piston(state, modes, memory, drive, elapsed, servo)
-    if servo.fed.pressures or servo.fed.spool:
-        return
+    _settle_piston(state, modes, memory, drive, elapsed, servo)
     if is_relay(servo.law):
         value = surface(state, modes, memory, drive, elapsed, servo)
         if modes[RELAY_SIGN] * value < 0.0:
@@ -123,7 +116,7 @@ def _settle_spool(state, modes, memory, rows, drive, elapsed, servo):
 
 @compiled_apart
 def motion_at_start(state, modes, memory, drive, servo):
-    """Write what the piston does at the start of a run, or where a recording takes over.
+    """Write what the piston does at the start of a run.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
 """Places of everything the servo with effects integrates, remembers, is given and returns."""
 
+import math
 from typing import NamedTuple
 
 from pneuservo.plant.control_law import ControlLaw
@@ -48,20 +49,8 @@ WHEN, COMMANDED, FLOWED_A, FLOWED_B = range(4)
 PAST_ROWS, PAST_COLUMNS = 1024, 4
 
 # What drives the chain: columns of the inputs. Command and external force are the baseline's.
-(
-    COMMAND,
-    EXTERNAL_FORCE,
-    SUPPLY,
-    FED_DISPLACEMENT,
-    FED_VELOCITY,
-    FED_PRESSURE_A,
-    FED_PRESSURE_B,
-    FED_SPOOL,
-    TIME,
-) = range(9)
-INPUTS = 9
-# One more column of what drives an interval: its length.
-INTERVAL = INPUTS
+COMMAND, EXTERNAL_FORCE, SUPPLY, DISPLACEMENT_NOISE, TIME = range(5)
+INPUTS = 5
 
 OUTPUTS = (
     *BASELINE_OUTPUTS,
@@ -70,8 +59,6 @@ OUTPUTS = (
     "temperature_b",
     "mass_flow_a",
     "mass_flow_b",
-    "driving_force",
-    "friction_force",
 )
 (
     SUPPLY_OUT,
@@ -79,22 +66,7 @@ OUTPUTS = (
     TEMPERATURE_B_OUT,
     FLOW_A_OUT,
     FLOW_B_OUT,
-    DRIVING_OUT,
-    FRICTION_OUT,
 ) = range(len(BASELINE_OUTPUTS), len(OUTPUTS))
-
-
-class Fed(NamedTuple):
-    """Which parts of the chain follow the inputs instead of their equations."""
-
-    motion: bool = False
-    """Displacement and velocity."""
-    pressures: bool = False
-    """Both chamber pressures."""
-    spool: bool = False
-    """The spool."""
-    ramped_command: bool = False
-    """The command runs straight from sample to sample instead of being held."""
 
 
 class Servo(NamedTuple):
@@ -103,4 +75,5 @@ class Servo(NamedTuple):
     plant: SingleAxis
     effects: ServoEffects
     law: ControlLaw
-    fed: Fed
+    displacement_range: tuple[float, float] = (-math.inf, math.inf)
+    """Least and largest reading of the displacement transducer [m]."""

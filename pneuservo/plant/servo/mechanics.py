@@ -35,12 +35,14 @@ from pneuservo.plant.servo.load_effects import (
 )
 from pneuservo.plant.servo.sensor_effects import lag_rate
 from pneuservo.plant.servo.stop_effects import bumper_force, cushion_force, cushion_rate
+from pneuservo.plant.servo.unexplained_effects import unexplained_force
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
     MOTION,
     PLANT_STATES,
     PRESSURE_A,
     PRESSURE_B,
+    SPOOL,
     VELOCITY,
 )
 
@@ -117,12 +119,12 @@ def smooth_force(state, memory, drive, elapsed, servo):
     lagged = v
     if state.shape[0] > PLANT_STATES:
         lagged = state[LAGGED_VELOCITY]
-    force -= viscous_excess(
-        v, lagged, piston.viscous_friction, given(drive, TIME, elapsed), effects.friction
-    )
+    now = given(drive, TIME, elapsed)
+    force -= viscous_excess(v, lagged, piston.viscous_friction, now, effects.friction)
     force += spring_force(x, piston.stroke, effects.load)
     force += tilt_force(piston.mass * piston.gravity, effects.load)
     force += bumper_force(x, v, piston.stroke, effects.stop)
+    force += unexplained_force(x, v, pa, pb, state[SPOOL], now, effects)
     if state.shape[0] > PLANT_STATES:
         force += mode_force(piston.mass, state[MODE], state[MODE_RATE], effects.load)
         if effects.load.joint_share > 0.0:

@@ -21,6 +21,7 @@ from pneuservo.plant.servo.layout import (
 from pneuservo.plant.servo.leakage_effects import cross_leak, outward_leak
 from pneuservo.plant.servo.line_effects import compliant_volume, hose_rates, hose_volume
 from pneuservo.plant.servo.supply_effects import has_reservoir, reservoir_rate, source_pressure
+from pneuservo.plant.servo.unexplained_effects import tabulated
 from pneuservo.plant.servo.valve_side import supply_at_valve, temperature_of, valve_flows
 from pneuservo.plant.single_axis import DISPLACEMENT, PLANT_STATES, PRESSURE_A, PRESSURE_B, SPOOL
 
@@ -100,35 +101,40 @@ def _hose_rates(valve_flow, flow, port_pressure, pressure, area, dead_volume, se
 
 
 @compiled
-def pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, rate):
-    """Write the rates of both chambers and of what belongs to them.
-
-    Parameters
-    ----------
-    state, memory, rows, drive, elapsed, servo, grid, rate
-        As in `pneuservo.plant.servo.chain.derivative`.
-    velocity : float
-        Of the piston; 0 while it rests [m/s].
-    """
-    plant, effects = servo.plant, servo.effects
-    piston, pa, pb = plant.piston, state[PRESSURE_A], state[PRESSURE_B]
-    x, now = state[DISPLACEMENT], given(drive, TIME, elapsed)
-    supply = supply_at_valve(state, drive, elapsed, servo)
-    at_valve_a, at_valve_b, drawn = valve_flows(state[SPOOL], state, memory, supply, servo, grid)
-    flow_a, flow_b = flows_at_cylinder(at_valve_a, at_valve_b, state, memory, rows, now, servo)
-    leak, gas, ambient = effects.leakage, plant.gas, plant.ambient_pressure
-    across = cross_leak(pa, pb, x, velocity, piston.stroke, gas.temperature, leak)
+def _leaks(state, velocity, servo):
+    """Return the leaks from a to b, and from each chamber to ambient [kg/s]."""
+    plant, leak = servo.plant, servo.effects.leakage
+    pa, pb, ambient, gas = state[PRESSURE_A], state[PRESSURE_B], plant.ambient_pressure, plant.gas
+    across = cross_leak(
+        pa, pb, state[DISPLACEMENT], velocity, plant.piston.stroke, gas.temperature, leak
+    )
     out_a = outward_leak(
         pa, ambient, leak.chamber_a_area, leak.opening_a_coefficient, leak.opening_a_exponent, gas
     )
     out_b = outward_leak(
         pb, ambient, leak.rod_seal_area, leak.opening_b_coefficient, leak.opening_b_exponent, gas
     )
+    return across, out_a, out_b
+
+
+@compiled
+def _unexplained(state, velocity, now, table):
+    """Return a flow into a chamber that only a table is known for [kg/s]."""
+    pa, pb = state[PRESSURE_A], state[PRESSURE_B]
+    return tabulated(state[DISPLACEMENT], velocity, pa, pb, state[SPOOL], now, table)
+
+
+@compiled
+def _write_chamber_rates(state, velocity, flow_a, flow_b, now, servo, rate):
+    """Write the rates of both chambers from the flows that reach them."""
+    plant = servo.plant
+    piston, x = plant.piston, state[DISPLACEMENT]
+    across, out_a, out_b = _leaks(state, velocity, servo)
     rate[PRESSURE_A], warming_a, wall_rate_a = _chamber_rates(
         flow_a,
         -across,
-        -out_a,
-        pa,
+        _unexplained(state, velocity, now, servo.effects.unexplained_flow_a) - out_a,
+        state[PRESSURE_A],
         x,
         velocity,
         piston.area_a,
@@ -140,8 +146,8 @@ def pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, 
     rate[PRESSURE_B], warming_b, wall_rate_b = _chamber_rates(
         flow_b,
         across,
-        -out_b,
-        pb,
+        _unexplained(state, velocity, now, servo.effects.unexplained_flow_b) - out_b,
+        state[PRESSURE_B],
         piston.stroke - x,
         -velocity,
         piston.area_b,
@@ -150,31 +156,57 @@ def pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, 
         temperature_of(state, WALL_B, servo),
         servo,
     )
+    if state.shape[0] > PLANT_STATES:
+        rate[TEMPERATURE_A], rate[WALL_A] = warming_a, wall_rate_a
+        rate[TEMPERATURE_B], rate[WALL_B] = warming_b, wall_rate_b
+
+
+@compiled
+def _write_hose_rates(state, at_valve_a, at_valve_b, servo, rate):
+    """Write the rates of flow and pressure at the valve's end of both hoses."""
+    plant = servo.plant
+    rate[HOSE_FLOW_A], rate[PORT_PRESSURE_A] = _hose_rates(
+        at_valve_a,
+        state[HOSE_FLOW_A],
+        state[PORT_PRESSURE_A],
+        state[PRESSURE_A],
+        plant.piston.area_a,
+        plant.dead_volume_a,
+        servo,
+    )
+    rate[HOSE_FLOW_B], rate[PORT_PRESSURE_B] = _hose_rates(
+        at_valve_b,
+        state[HOSE_FLOW_B],
+        state[PORT_PRESSURE_B],
+        state[PRESSURE_B],
+        plant.piston.area_b,
+        plant.dead_volume_b,
+        servo,
+    )
+
+
+@compiled
+def pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, rate):
+    """Write the rates of both chambers and of what belongs to them.
+
+    Parameters
+    ----------
+    state, memory, rows, drive, elapsed, servo, grid, rate
+        As in `pneuservo.plant.servo.chain.derivative`.
+    velocity : float
+        Of the piston; 0 while it rests [m/s].
+    """
+    plant, effects, now = servo.plant, servo.effects, given(drive, TIME, elapsed)
+    supply = supply_at_valve(state, drive, elapsed, servo)
+    at_valve_a, at_valve_b, drawn = valve_flows(state[SPOOL], state, memory, supply, servo, grid)
+    flow_a, flow_b = flows_at_cylinder(at_valve_a, at_valve_b, state, memory, rows, now, servo)
+    _write_chamber_rates(state, velocity, flow_a, flow_b, now, servo, rate)
     if state.shape[0] == PLANT_STATES:
         return
-    rate[TEMPERATURE_A], rate[WALL_A] = warming_a, wall_rate_a
-    rate[TEMPERATURE_B], rate[WALL_B] = warming_b, wall_rate_b
     if has_reservoir(effects.supply):
         source = source_pressure(given(drive, SUPPLY, elapsed), now, effects.supply)
         rate[RESERVOIR] = reservoir_rate(
-            state[RESERVOIR], source, drawn, plant.polytropic_index, gas, effects.supply
+            state[RESERVOIR], source, drawn, plant.polytropic_index, plant.gas, effects.supply
         )
     if effects.line.frequency > 0.0:
-        rate[HOSE_FLOW_A], rate[PORT_PRESSURE_A] = _hose_rates(
-            at_valve_a,
-            state[HOSE_FLOW_A],
-            state[PORT_PRESSURE_A],
-            pa,
-            piston.area_a,
-            plant.dead_volume_a,
-            servo,
-        )
-        rate[HOSE_FLOW_B], rate[PORT_PRESSURE_B] = _hose_rates(
-            at_valve_b,
-            state[HOSE_FLOW_B],
-            state[PORT_PRESSURE_B],
-            pb,
-            piston.area_b,
-            plant.dead_volume_b,
-            servo,
-        )
+        _write_hose_rates(state, at_valve_a, at_valve_b, servo, rate)

@@ -18,28 +18,15 @@ from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled
 from pneuservo.plant.servo.drive import given
 from pneuservo.plant.servo.events import margin, motion_at_start, settle
 from pneuservo.plant.servo.layout import (
-    BRISTLE_PLACE,
-    COMMAND,
-    DRIVING_OUT,
-    EXTERNAL_FORCE,
-    FED_DISPLACEMENT,
-    FED_PRESSURE_A,
-    FED_PRESSURE_B,
-    FED_SPOOL,
-    FED_VELOCITY,
     FLOW_A_OUT,
     FLOW_B_OUT,
-    FRICTION_OUT,
     INPUTS,
-    INTERVAL,
-    LAGGED_DISPLACEMENT,
     MEMORY,
     OUTPUTS,
     PAST_COLUMNS,
     PAST_ROWS,
-    PORT_PRESSURE_A,
-    PORT_PRESSURE_B,
     SERVO_STATES,
+    SUPPLY,
     SUPPLY_OUT,
     TEMPERATURE_A,
     TEMPERATURE_A_OUT,
@@ -50,7 +37,6 @@ from pneuservo.plant.servo.layout import (
 from pneuservo.plant.servo.mechanics import force_and_piston
 from pneuservo.plant.servo.memory import begin, record, remember
 from pneuservo.plant.servo.pneumatics import flows_at_cylinder
-from pneuservo.plant.servo.sensor_effects import reading_behind
 from pneuservo.plant.servo.valve_side import supply_at_valve, temperature_of, valve_flows
 from pneuservo.plant.single_axis import (
     CARD_DERIVATIVE_1,
@@ -65,7 +51,6 @@ from pneuservo.plant.single_axis import (
     SPOOL_FREE,
     SPOOL_LIMIT,
     SPOOL_RATE,
-    VELOCITY,
 )
 
 # Classical Runge-Kutta: where each stage lies, and the weight of its rate.
@@ -200,7 +185,16 @@ def advance(state, start, end, modes, memory, rows, drive, servo, grid, work, re
 
 
 @compiled_apart
-def _write_output(state, modes, memory, rows, drive, servo, grid, output):
+def write_output(state, modes, memory, rows, drive, servo, grid, output):
+    """Write the outputs just after a sample.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`.
+    output : (15,) array
+        Written: places as in `layout.OUTPUTS`, NaN where there is none.
+    """
     law = servo.law
     force, held = force_and_piston(state, modes, memory, drive, 0.0, servo)
     second = acceleration(force, modes[MOTION], held)
@@ -216,10 +210,6 @@ def _write_output(state, modes, memory, rows, drive, servo, grid, output):
     if law.source == CARD_TAPS:
         output[8] = differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant)
         output[9] = differentiator_output(state[CARD_DERIVATIVE_2], law.acceleration_time_constant)
-    output[DRIVING_OUT] = force
-    output[FRICTION_OUT] = force - held.mass * second
-    if servo.fed.pressures:
-        return
     supply = supply_at_valve(state, drive, 0.0, servo)
     output[SUPPLY_OUT] = supply
     output[TEMPERATURE_A_OUT] = temperature_of(state, TEMPERATURE_A, servo)
@@ -230,57 +220,68 @@ def _write_output(state, modes, memory, rows, drive, servo, grid, output):
     )
 
 
-@compiled_apart
-def _take_over(state, inputs, restart, modes, memory, drive, servo):
-    """Bring the state onto what the inputs hold, and all of it where a segment begins."""
-    fed = servo.fed
-    if fed.motion or restart:
-        state[DISPLACEMENT], state[VELOCITY] = inputs[FED_DISPLACEMENT], inputs[FED_VELOCITY]
-    if restart and state.shape[0] > PLANT_STATES:
-        state[PORT_PRESSURE_A] += inputs[FED_PRESSURE_A] - state[PRESSURE_A]
-        state[PORT_PRESSURE_B] += inputs[FED_PRESSURE_B] - state[PRESSURE_B]
-        state[LAGGED_DISPLACEMENT] = reading_behind(
-            state[DISPLACEMENT],
-            state[VELOCITY],
-            drive[1, FED_VELOCITY],
-            servo.plant.piston.stroke,
-            servo.effects.sensor,
-        )
-    if fed.pressures or restart:
-        state[PRESSURE_A], state[PRESSURE_B] = inputs[FED_PRESSURE_A], inputs[FED_PRESSURE_B]
-    if fed.spool:
-        state[SPOOL], state[SPOOL_RATE] = inputs[FED_SPOOL], 0.0
-    if fed.motion:
-        modes[MOTION] = 0 if state[VELOCITY] == 0.0 else math.copysign(1.0, state[VELOCITY])
-    elif restart:
-        memory[BRISTLE_PLACE] = state[DISPLACEMENT]
-        motion_at_start(state, modes, memory, drive, servo)
-
-
 @compiled
-def _write_drive(inputs, k, interval, servo, drive):
-    """Write the inputs of an interval and their rates: what is not held runs straight."""
-    drive[0, INTERVAL], drive[1, INTERVAL] = interval, 0.0
+def write_drive(inputs, k, interval, drive):
+    """Write the inputs of an interval and their rates: what is not held runs straight.
+
+    Parameters
+    ----------
+    inputs : (n, 5) array
+        As in `run_servo`.
+    k : int
+        The sample at which the interval begins.
+    interval : float
+        Its length [s].
+    drive : (2, 5) array
+        Written.
+    """
     following = min(k + 1, inputs.shape[0] - 1)
-    for i in range(inputs.shape[1]):
+    for i in range(INPUTS):
         drive[0, i] = inputs[k, i]
-        held = i == EXTERNAL_FORCE or (i == COMMAND and not servo.fed.ramped_command)
         drive[1, i] = 0.0
-        if not held and interval > 0.0:
+        if i in (SUPPLY, TIME) and interval > 0.0:
             drive[1, i] = (inputs[following, i] - inputs[k, i]) / interval
 
 
+@compiled_apart
+def start(state, modes, memory, rows, drive, servo, grid):
+    """Write modes, memory and past at the start of a run.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, servo, grid
+        As in `pneuservo.plant.servo.chain.derivative`.
+    """
+    modes[MOTION], modes[RELAY_SIGN], modes[SPOOL_LIMIT] = 0, 1, SPOOL_FREE
+    if abs(state[SPOOL]) >= 1.0:
+        modes[SPOOL_LIMIT] = 1 if state[SPOOL] > 0.0 else -1
+    begin(state, modes, memory, rows, drive, servo, grid)
+    motion_at_start(state, modes, memory, drive, servo)
+
+
+@compiled
+def shut_spool(state):
+    """Bring a spool that has all but reached its middle to rest there.
+
+    Parameters
+    ----------
+    state : array
+        Changed.
+    """
+    if abs(state[SPOOL]) < SMALLEST_OPENING and abs(state[SPOOL_RATE]) < SMALLEST_OPENING:
+        state[SPOOL] = 0.0
+        state[SPOOL_RATE] = 0.0
+
+
 @compiled_whole
-def run_servo(inputs, restarts, initial_state, servo, grid, largest_step):
+def run_servo(inputs, initial_state, servo, grid, largest_step):
     """Return the outputs at every time of a run.
 
     Parameters
     ----------
-    inputs : (n, 9) array
-        Columns as in `layout`; the last is the time, strictly increasing [s]. Command and
-        external force hold until the next row, the others run straight to it.
-    restarts : (n,) array of bool
-        Where displacement, velocity and pressures are set to what the inputs hold.
+    inputs : (n, 5) array
+        Columns as in `layout`; the last is the time, strictly increasing [s]. Command, external
+        force and noise hold until the next row, the supply runs straight to it.
     initial_state : (6,) or (27,) array
         In SI; six when no effect and no card has a state of its own.
     servo, grid
@@ -290,31 +291,26 @@ def run_servo(inputs, restarts, initial_state, servo, grid, largest_step):
 
     Returns
     -------
-    (n, 17) array
+    (n, 15) array
         One column per name of `layout.OUTPUTS`, in SI, each row just after its time: motion as
-        the displacement transducer has it, pressures as they are. NaN where there is none.
+        the displacement transducer has it but for noise and range, pressures as they are. NaN
+        where there is none.
     """
     state = initial_state.copy()
     work, result = np.empty((3, state.shape[0])), np.empty_like(state)
     outputs = np.empty((inputs.shape[0], len(OUTPUTS)))
     modes, memory = np.zeros(3, np.int64), np.zeros(MEMORY)
-    rows, drive = np.empty((PAST_ROWS, PAST_COLUMNS)), np.empty((2, INPUTS + 1))
-    modes[RELAY_SIGN], modes[SPOOL_LIMIT] = 1, SPOOL_FREE
-    if abs(state[SPOOL]) >= 1.0:
-        modes[SPOOL_LIMIT] = 1 if state[SPOOL] > 0.0 else -1
-    _write_drive(inputs, 0, 0.0, servo, drive)
-    begin(state, modes, memory, rows, drive, servo, grid)
-    if not servo.fed.motion:
-        motion_at_start(state, modes, memory, drive, servo)
+    rows, drive = np.empty((PAST_ROWS, PAST_COLUMNS)), np.empty((2, INPUTS))
+    write_drive(inputs, 0, 0.0, drive)
+    start(state, modes, memory, rows, drive, servo, grid)
     delayed = servo.effects.spool.delay > 0.0 or servo.effects.line.delay > 0.0
     for k in range(inputs.shape[0]):
         interval = inputs[min(k + 1, inputs.shape[0] - 1), TIME] - inputs[k, TIME]
-        _write_drive(inputs, k, interval, servo, drive)
-        _take_over(state, inputs[k], restarts[k], modes, memory, drive, servo)
+        write_drive(inputs, k, interval, drive)
         settle(state, modes, memory, rows, drive, 0.0, servo)
         if delayed:
             record(state, modes, memory, rows, drive, 0.0, servo, grid)
-        _write_output(state, modes, memory, rows, drive, servo, grid, outputs[k])
+        write_output(state, modes, memory, rows, drive, servo, grid, outputs[k])
         steps = max(math.ceil(interval / largest_step - 1e-9), 1)
         if k + 1 == inputs.shape[0] or not math.isfinite(state[DISPLACEMENT] + state[PRESSURE_A]):
             outputs[k + 1 :] = math.nan
@@ -333,7 +329,5 @@ def run_servo(inputs, restarts, initial_state, servo, grid, largest_step):
                 work,
                 result,
             )
-            if abs(state[SPOOL]) < SMALLEST_OPENING and abs(state[SPOOL_RATE]) < SMALLEST_OPENING:
-                state[SPOOL] = 0.0
-                state[SPOOL_RATE] = 0.0
+            shut_spool(state)
     return outputs

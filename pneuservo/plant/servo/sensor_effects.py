@@ -120,25 +120,6 @@ def heard_motion(displacement, velocity, acceleration, lagged, stroke, effects):
 
 
 @compiled
-def reading_behind(displacement, velocity, acceleration, stroke, effects):
-    """Return where the transducer's lag stands in a motion that has gone on for a while [m].
-
-    Parameters
-    ----------
-    displacement, velocity, acceleration : float
-        Of the piston [m], [m/s], [m/s^2].
-    stroke : float
-        [m].
-    effects : SensorEffects
-        The effects.
-    """
-    lag = effects.displacement_lag
-    slope = displacement_gain(displacement, stroke, effects)
-    read = displacement + displacement_error(displacement, stroke, effects)
-    return read - lag * slope * (velocity - lag * acceleration)
-
-
-@compiled
 def lag_rate(displacement, lagged, stroke, effects):
     """Return the rate of the transducer's lag [m/s].
 

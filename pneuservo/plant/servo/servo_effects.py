@@ -11,6 +11,7 @@ from pneuservo.plant.servo.sensor_effects import SensorEffects
 from pneuservo.plant.servo.spool_effects import SpoolEffects
 from pneuservo.plant.servo.stop_effects import StopEffects
 from pneuservo.plant.servo.supply_effects import SupplyEffects
+from pneuservo.plant.servo.unexplained_effects import Table
 from pneuservo.plant.servo.valve_effects import ValveEffects
 
 
@@ -27,6 +28,12 @@ class ServoEffects(NamedTuple):
     load: LoadEffects = LoadEffects()
     stop: StopEffects = StopEffects()
     sensor: SensorEffects = SensorEffects()
+    unexplained_force: Table = Table()
+    """On the piston, positive extends [N]."""
+    unexplained_flow_a: Table = Table()
+    """Into chamber a [kg/s]."""
+    unexplained_flow_b: Table = Table()
+    """Into chamber b [kg/s]."""
 
 
 NEUTRAL = ServoEffects()

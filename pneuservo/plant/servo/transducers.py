@@ -63,26 +63,12 @@ def play(values, half_width):
     return result
 
 
-def _stepped(values: Samples, step: float) -> Samples:
+def in_steps(values: Samples, step: float) -> Samples:
+    """Return a signal rounded to a resolution, or as it is for a resolution of 0."""
     if step <= 0.0:
         return values
     whole: Samples = np.round(values / step) * step
     return whole
-
-
-def read_displacement(displacement: Samples, sensor: SensorEffects) -> Samples:
-    """Return what is recorded of the transducer's displacement [m].
-
-    Parameters
-    ----------
-    displacement : (n,) array
-        As the transducer has it, gain, offset and lag included [m].
-    sensor : SensorEffects
-        Wiper play and resolution are those of the recording.
-    """
-    if sensor.wiper_play > 0.0:
-        displacement = play(displacement, sensor.wiper_play)
-    return _stepped(displacement, sensor.displacement_step)
 
 
 def read_pressures(
@@ -94,7 +80,7 @@ def read_pressures(
     gas: Gas,
     sensor: SensorEffects,
 ) -> tuple[Samples, Samples]:
-    """Return what the pressure transducers read [Pa].
+    """Return what the pressure transducers have, before noise, range and resolution [Pa].
 
     Parameters
     ----------
@@ -125,7 +111,7 @@ def read_pressures(
         if sensor.hum != 0.0:
             angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
             reading = reading + sensor.hum * np.sin(angle)
-        readings.append(_stepped(reading, sensor.pressure_step))
+        readings.append(reading)
     return readings[0], readings[1]
 
 
@@ -168,25 +154,6 @@ def true_motion(
         return displacement, velocity
     true, slope = _behind(displacement, stroke, sensor)
     return true, velocity / slope
-
-
-@compiled_whole
-def displacement_gain_along(displacement, stroke, sensor):
-    """Return the slope of the reading over the true displacement at every sample [-].
-
-    Parameters
-    ----------
-    displacement : (n,) array
-        [m].
-    stroke : float
-        [m].
-    sensor : SensorEffects
-        The effects.
-    """
-    slope = np.empty_like(displacement)
-    for k in range(len(displacement)):
-        slope[k] = displacement_gain(displacement[k], stroke, sensor)
-    return slope
 
 
 @compiled_whole

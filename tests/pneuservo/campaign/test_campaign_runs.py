@@ -13,7 +13,7 @@ from pneuservo.campaign.metrics import METRICS, metrics_of
 from pneuservo.campaign.picture import campaign_figure
 from pneuservo.campaign.plan_file import campaign_of
 from pneuservo.campaign.run import SAMPLES, identity, run_campaign
-from pneuservo.campaign.sample import simulate_sample
+from pneuservo.campaign.sample import run_samples, simulate_sample
 from pneuservo.campaign.summary import grid_means, shown, spreads, summary
 from pneuservo.controllers import Proportional, SlidingMode, card_of
 from pneuservo.errors import InputError
@@ -34,6 +34,20 @@ def test_a_sample_is_the_run_that_simulate_gives(campaign, outcome):
     assert sample["values"] == values
     for name in ("rise_time", "settling_time", "overshoot", "steady_state_error"):
         assert sample["metrics"][name] == getattr(step, name)
+
+
+def test_trials_of_a_noisy_rig_differ_by_their_noise(tmp_path):
+    (tmp_path / "noisy.toml").write_text(
+        '[rig]\nkind = "single-axis"\n[transducers.displacement]\nnoise = "20 um"\n'
+    )
+    loop = {"controller": "proportional", "demand": "15,24 mm", "hold": 0.1}
+    loop["vary"] = {"load.mass": "1.825 kg"}
+    noisy = campaign_of({**loop, "rig": str(tmp_path / "noisy.toml"), "trials": 3})
+    samples = run_campaign(noisy).samples
+    assert len({sample["metrics"]["steady_state_error"] for sample in samples}) == 3
+    # Each has its own seed, whatever was run before it.
+    assert list(run_samples(noisy, [2])) == samples[2:]
+    assert identity(noisy) != identity(replace(noisy, rig=load_rig("single-axis"), trials=1))
 
 
 def test_metrics_are_those_of_the_worst_step():

@@ -10,7 +10,7 @@ from scipy.integrate import simpson
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
-from pneuservo.plant.servo.layout import OUTPUTS, Fed, Servo
+from pneuservo.plant.servo.layout import OUTPUTS, Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.starting import servo_inputs, servo_state
@@ -28,10 +28,10 @@ def with_effects(effects, values=None):
 
 
 def columns(effects, time, start, command, plant=PLANT, grid=SMOOTH, step=20e-6):
-    servo = Servo(plant, effects, OPEN_LOOP, Fed())
+    servo = Servo(plant, effects, OPEN_LOOP)
     inputs = servo_inputs(time, plant.supply_pressure, command=command)
     state = servo_state(np.array(start), servo, plant.supply_pressure)
-    out = run_servo(inputs, np.zeros(len(time), dtype=bool), state, servo, grid, step)
+    out = run_servo(inputs, state, servo, grid, step)
     return dict(zip(OUTPUTS, out.T, strict=True))
 
 

@@ -12,7 +12,7 @@ from pneuservo.controllers import AnalogueCard, SlidingMode
 from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.integrator import run
-from pneuservo.plant.servo.layout import OUTPUTS, SERVO_STATES, Fed, Servo
+from pneuservo.plant.servo.layout import OUTPUTS, SERVO_STATES, Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.starting import servo_inputs, servo_state
@@ -31,10 +31,10 @@ ROUNDING = 1e-9
 
 
 def neutral_run(time, command, state, law):
-    servo = Servo(PLANT, NEUTRAL, law, Fed())
+    servo = Servo(PLANT, NEUTRAL, law)
     inputs = servo_inputs(time, PLANT.supply_pressure, command=command)
     start = servo_state(state, servo, PLANT.supply_pressure)
-    return run_servo(inputs, np.zeros(len(time), dtype=bool), start, servo, GRID, 20e-6)
+    return run_servo(inputs, start, servo, GRID, 20e-6)
 
 
 def assert_same(found, expected, tolerance):
@@ -62,7 +62,7 @@ def test_it_runs_like_the_baseline(law):
     state = InitialState().state(PLANT, 0.015, 0.0)
     found = neutral_run(time, command, state, law)
     # The card's states follow those of the plant in both.
-    start = servo_state(state, Servo(PLANT, NEUTRAL, law, Fed()), 0.0)[:STATES_WITH_CARD]
+    start = servo_state(state, Servo(PLANT, NEUTRAL, law), 0.0)[:STATES_WITH_CARD]
     inputs = np.column_stack((command, np.zeros_like(command)))
     expected = run(time, inputs, start, law, PLANT, GRID, 20e-6)
     assert_same(found, expected, ROUNDING)
@@ -72,12 +72,11 @@ def test_more_states_change_nothing():
     time = np.arange(0.0, 0.2, 1e-3)
     command = 3.0 * np.sign(np.sin(60.0 * time))
     state = InitialState().state(PLANT, 0.015, 0.0)
-    servo = Servo(PLANT, NEUTRAL, OPEN_LOOP, Fed())
+    servo = Servo(PLANT, NEUTRAL, OPEN_LOOP)
     inputs = servo_inputs(time, PLANT.supply_pressure, command=command)
-    none = np.zeros(len(time), dtype=bool)
     # Whatever the other states are: 300 is a possible temperature, and nothing else is used.
     long = np.concatenate([state, np.full(SERVO_STATES - len(state), 300.0)])
-    runs = [run_servo(inputs, none, start, servo, GRID, 20e-6) for start in (state, long)]
+    runs = [run_servo(inputs, start, servo, GRID, 20e-6) for start in (state, long)]
     assert_same(runs[1], runs[0], ROUNDING)
 
 
@@ -106,12 +105,11 @@ def test_fourth_order_on_a_smooth_stretch():
     grid = np.full((4, 51, 101), 0.7)
     start = np.array([0.012, 0.05, 4.6e5, 5.5e5, 0.3, 0.0])
     time = np.array([0.0, 0.02])
-    servo = Servo(PLANT, NEUTRAL, OPEN_LOOP, Fed())
+    servo = Servo(PLANT, NEUTRAL, OPEN_LOOP)
     inputs = servo_inputs(time, PLANT.supply_pressure, command=2.0)
-    none = np.zeros(2, dtype=bool)
 
     def end(step):
-        return run_servo(inputs, none, start, servo, grid, step)[-1, 3]
+        return run_servo(inputs, start, servo, grid, step)[-1, 3]
 
     errors = [abs(end(step) - end(5e-6)) for step in (1e-3, 0.5e-3, 0.25e-3)]
     orders = np.log2(errors[:-1]) - np.log2(errors[1:])

@@ -120,9 +120,8 @@ def test_the_loop_hears_the_transducer():
 
 def test_what_cannot_be_simulated_is_refused():
     rig = with_effects({"valve.overlap": {"lap": 0.01}})
-    card = card_of(load_design())
-    with pytest.raises(InputError, match="behavioural model drives the baseline only"):
-        simulate(rig, time=TIME, controller=card, demand=0.02)
+    with pytest.raises(InputError, match="equally spaced"):
+        simulate(rig, time=[0.0, 1e-3, 3e-3], controller=card_of(load_design()), demand=0.02)
     with pytest.raises(InputError, match="supply_pressure has the shape"):
         simulate(time=TIME, command=0.0, supply_pressure=[6e5, 6e5])
 
