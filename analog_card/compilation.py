@@ -25,15 +25,15 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
 
     Notes
     -----
-    The folder is named after the content of every source file that holds kernels and the version
-    of the compiler. The compiler itself only watches the file a function stands in, so a kernel
+    The folder is named after the content of every source file that holds kernels, or the named
+    tuples that they take, and the version of the compiler. The compiler itself only watches the file a function stands in, so a kernel
     that takes in a function of another file would keep running the old physics after that file
     changed.
     """
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted(source for package in packages for source in package.rglob("*.py")):
         content = source.read_bytes()
-        if mark.encode() in content or b"numba" in content:
+        if any(word in content for word in (mark.encode(), b"numba", b"NamedTuple")):
             digest.update(content)
     folder = Path(platformdirs.user_cache_dir("pneuservo")) / digest.hexdigest()[:16]
     try:

@@ -12,7 +12,7 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import values_in
 from pneuservo.effects import Effect
 
-WORTH_FITTING = 10
+WORTH_FITTING = 6
 """So many candidates are fitted at each step; where there are no more, all of them."""
 IMITATIONS = 3
 """Recordings without effect that are made to see what the method itself pretends."""

@@ -194,7 +194,7 @@ REFUSED = {
         ["{axis}", "--rig", "figure-arm"],
         ["figure-arm", "covers", "dead-volume", "single-axis"],
     ),
-    "channels missing": (["{axis}"], ["single-axis", "valve_voltage", "pressure_a"]),
+    "channels missing": (["{axis}"], ["single-axis", "valve_voltage", "--rig"]),
     "rig unknown": (["{leak1}", "--rig", "dead-volum"], ["dead-volum", "Did you mean"]),
     "rig file missing": (["{leak1}", "--rig", "gone.toml"], ["gone.toml", "no such rig file"]),
     "window outside": (["{leak1}", "--window", "100:200"], ["100", "200", "20"]),
