@@ -26,8 +26,9 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
     Notes
     -----
     The folder is named after the content of every source file that holds kernels, or the named
-    tuples that they take, and the version of the compiler. The compiler itself only watches the file a function stands in, so a kernel
-    that takes in a function of another file would keep running the old physics after that file
+    tuples that they take, and the version of the compiler. The compiler itself only watches the
+    file a function stands in, so a kernel that takes in a function of another file would keep
+    running the old physics after that file
     changed.
     """
     digest = hashlib.sha256(numba.__version__.encode())

@@ -90,6 +90,13 @@ Examples:
 @click.option(
     "--seed", type=int, default=0, show_default=True, help="Seed of the noise chance is judged by."
 )
+@click.option(
+    "--without",
+    multiple=True,
+    metavar="PART",
+    help="Leave a part of a servo's diagnosis out, to see what it is good for: stick-mask, "
+    "nuisances, imitations, unnamed.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json and nothing else.")
 def command(
     recordings: tuple[str, ...],
@@ -99,6 +106,7 @@ def command(
     validate_window: tuple[float, float] | None,
     out: Path,
     seed: int,
+    without: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Say where and why the simulation of a rig differs from recordings of it.
@@ -112,7 +120,7 @@ def command(
         step("reading the recordings")
         used = [_read(path, rig, window) for path in recordings]
         held_back = [_read(path, rig, validate_window) for path in validate]
-        found = diagnose(used, held_back, rig, step, seed)
+        found = diagnose(used, held_back, rig, step, seed, without)
         step("writing the report")
         answer = write_answer(found, out)
     if as_json:
@@ -120,6 +128,8 @@ def command(
         return
     from pneuservo.report.words import headline
 
+    if answer.get("partial"):
+        click.echo("interrupted: this answer is made of what had been fitted until then")
     click.echo(f"{answer['verdict']}: {headline(answer)}")
     click.echo(f"report: {out / 'report.html'}")
 

@@ -8,11 +8,13 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, fit
+from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
-from pneuservo.diagnosis.search import SMALLEST_SHARE, Search
+from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
 from pneuservo.errors import InputError
+from pneuservo.naming import require_known
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
 
@@ -22,6 +24,8 @@ OBVIOUS_RATIO = 6.0
 """... and beyond which it is; coloured noise reaches 4 times its own floor."""
 UNNAMED = 0.5
 """Share of what is left that has to depend on one quantity before the named effects are doubted."""
+PARTS = ("stick-mask", "nuisances", "imitations", "unnamed")
+"""Parts of the diagnosis of a servo that can be left out, to see what they are good for."""
 COLOURED = 0.2
 """A residual worth fewer than this share of its samples is coloured."""
 
@@ -128,6 +132,7 @@ def diagnose(
     rig: str | Path | Rig | None = None,
     progress: Callable[[str], None] = lambda step: None,
     seed: int = 0,
+    without: Sequence[str] = (),
 ) -> Diagnosis:
     """Compare recordings of one rig with its baseline and say what the baseline lacks.
 
@@ -143,6 +148,8 @@ def diagnose(
         Told in words what is running.
     seed : int, optional
         Seed of the noise that chance is judged by.
+    without : sequence of str, optional
+        Parts of the diagnosis of a servo that are left out, of `PARTS`.
 
     Returns
     -------
@@ -156,11 +163,16 @@ def diagnose(
         cover the rig.
     FitError
         When the baseline cannot be fitted at all.
+    KeyboardInterrupt
+        When it is interrupted before the baseline is fitted; later the answer is made of what has
+        been fitted until then.
     """
     if not recordings:
         raise InputError("no recording was given; name at least one file")
     chosen_rig = _common_rig([*recordings, *validate], rig)
-    model = model_of(chosen_rig.kind)
+    for part in without:
+        require_known(part, PARTS, "part of the diagnosis")
+    model = model_of(chosen_rig.kind, frozenset(without))
     cases, held_back = (
         [case for recording in group for case in _prepare(model, recording, chosen_rig)]
         for group in (recordings, validate)
@@ -170,8 +182,10 @@ def diagnose(
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
         search.run()
-        search.profile()
-        unexplained = _unexplained(search)
+        unexplained = None
+        if not search.interrupted:
+            search.profile()
+            unexplained = _unexplained(search)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
@@ -184,7 +198,7 @@ def diagnose(
 
 def _unexplained(search: Search) -> Unexplained | None:
     """Return what has no name; where it explains far more than the names do, they are dropped."""
-    if not search.model.tables(search.cases):
+    if "unnamed" in search.model.without or not search.model.tables(search.cases):
         return None
     search.progress("looking for what has no name")
     found = find_unexplained(

@@ -7,10 +7,11 @@ import numpy as np
 
 from pneuservo.diagnosis.diagnosis import Diagnosis
 from pneuservo.diagnosis.fit import Fit, rms
+from pneuservo.diagnosis.judge import SMALLEST_SHARE, UNDECIDED
 from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.problem import values_in
-from pneuservo.diagnosis.search import SMALLEST_SHARE, SUREST, UNDECIDED, Search
+from pneuservo.diagnosis.search import SUREST, Search
 from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
@@ -34,7 +35,8 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     -------
     dict
         ``schema``, ``verdict``, ``located``, ``missing``, ``corrected_parameters``,
-        ``cannot_separate``, ``not_visible`` and ``fit``, ready for JSON.
+        ``cannot_separate``, ``not_visible`` and ``fit``, ready for JSON; ``partial`` too when the
+        search was interrupted.
     """
     verdict = diagnosis.verdict
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
@@ -43,8 +45,10 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     elif diagnosis.unnamed_share:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
+    partial = {"partial": True} if diagnosis.search.interrupted else {}
     return {
         "schema": SCHEMA,
+        **partial,
         "verdict": verdict,
         "located": _located(diagnosis) if verdict != "consistent" else [],
         # Where probability does not decide, in the order they were needed.
@@ -53,7 +57,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "cannot_separate": _cannot_separate(diagnosis, missing, corrected),
         "not_visible": [
             entry
-            for entry in not_visible(diagnosis.search)
+            for entry in ([] if partial else not_visible(diagnosis.search))
             if not any(entry["effect"] in found["class"] for found in missing)
         ],
         "fit": _fit(diagnosis),

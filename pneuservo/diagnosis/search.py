@@ -1,6 +1,6 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -10,79 +10,28 @@ import numpy as np
 from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.judge import (
+    DECISIVE,
+    LARGE_SHARE_OF_REST,
+    SECOND_SHARE,
+    TIED,
+    ByEvidence,
+    ByGain,
+    Judge,
+    gain,
+)
+from pneuservo.diagnosis.ledger import Rival, Step
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, resolution
 from pneuservo.diagnosis.profile import with_profiles
 from pneuservo.diagnosis.screen import Visibility, promising, signatures_of, visibilities
 
-DECISIVE = 10.0
-"""Drop of the information criterion that decides (Kass and Raftery 1995: very strong)."""
-UNDECIDED = 6.0
-"""Rivals closer than this cannot be told apart (Kass and Raftery 1995: below strong)."""
-TIED = 2.0
-"""Rivals closer than this are not worth more than a mention; the catalogue's order decides."""
-SMALLEST_SHARE = 0.02
-"""Share of what the baseline leaves unexplained that an effect has to account for ..."""
-SECOND_SHARE = 0.05
-"""Share that an effect beside another has to account for where forms of laws are compared that
-differ from the real ones: they leave up to 5 % of an effect (section 5 of the method notes)."""
-AS_GOOD = 0.1**2
-"""Share by which the simplest effect may fall behind the best and still be named first: the energy
-of the tenth of an effect that is left where forms of laws differ."""
-LARGE_SHARE_OF_REST = 0.5
-"""... or the share of what is still unexplained when it is added."""
 SUREST = 0.99
 """Largest probability that is claimed: the catalogue never holds everything."""
-OVER_IMITATIONS = 5.0
-"""An effect has to explain so many times what it seems to explain of recordings without it: in
-recordings of another simulator without any effect the best of all candidates reached 3.7 times."""
-LEAST_GAIN = 64.0
-"""... and lower the weighted sum of squares by this, a signature eight standard deviations long:
-in the same recordings the best candidate that imitations do not show reached 42."""
 WHITE = 0.7
 """Residuals that are worth this share of their samples are white enough to hide nothing."""
 MOST_EFFECTS = 3
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A hypothesis that stands in for a chosen effect, and its probability."""
-
-    candidate: str
-    probability: float
-    evidence: float
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step of a search: what was tried, and what came of it.
-
-    Parameters
-    ----------
-    base : tuple of str
-        What was already accepted.
-    candidate : str
-        The best addition; for a replacement, what was put in the place of `replaced`.
-    accepted : bool
-        Whether it earned its place.
-    replaced : str, optional
-        The member that had to go.
-    evidence_drop : float, optional
-        By how much the information criterion fell.
-    share : float, optional
-        Share of what the baseline leaves unexplained.
-    rms : mapping of str to float, optional
-        What each candidate leaves [SI].
-    """
-
-    base: tuple[str, ...]
-    candidate: str
-    accepted: bool
-    replaced: str = ""
-    evidence_drop: float = 0.0
-    share: float = 0.0
-    rms: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -110,6 +59,8 @@ class Search:
         How much more each of them explains than the best candidate would of noise.
     ledger : list of Step
         What was tried, in order.
+    interrupted : bool
+        Whether the user stopped it before it had tried everything.
     """
 
     model: Model
@@ -119,6 +70,7 @@ class Search:
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
     accepted: list[str] = field(default_factory=list)
     ledger: list[Step] = field(default_factory=list)
+    interrupted: bool = False
     over_chance: dict[str, float] = field(default_factory=dict)
     _promising: dict[Any, list[str]] = field(default_factory=dict)
     _imitated: dict[Hypothesis, dict[str, Visibility]] = field(default_factory=dict)
@@ -197,6 +149,25 @@ class Search:
         return self.fits[hypothesis]
 
     def run(self) -> None:
+        """Search, and keep what has been found when the user interrupts it.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            When not even the baseline is fitted yet.
+        """
+        try:
+            self._run()
+        except KeyboardInterrupt:
+            if Hypothesis() not in self.fits:
+                raise
+            self.interrupted = True
+            known = [m for m in self.accepted if self._with([m]) in self.fits]
+            # Only what has been fitted together can be answered with.
+            if self._with(self.accepted) not in self.fits:
+                self.accepted[:] = known[:1]
+
+    def _run(self) -> None:
         """Add the best candidate until none earns its place, then drop what chance explains.
 
         Chance is judged last, by what the final model leaves: while a second effect is still in
@@ -260,9 +231,17 @@ class Search:
     def _in_place_of(self, member: str) -> tuple[Fit, dict[str, Fit]]:
         """Return the fit without a member, and with each promising candidate in its place."""
         kept = [m for m in self.accepted if m != member]
+        if self.interrupted:
+            return self._in_place_of_so_far(kept)
         rest = self.fitted(self._with(kept))
         names = self._worth_fitting(rest, self._compatible(kept), keep=(member,))
         return rest, {name: self.fitted(rest.hypothesis.adding(name), rest) for name in names}
+
+    def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
+        """Return the same from what had been fitted when the search was interrupted."""
+        rest = self.fits.get(self._with(kept), self.baseline)
+        names = [n for n in self.candidates if rest.hypothesis.adding(n) in self.fits]
+        return rest, {name: self.fits[rest.hypothesis.adding(name)] for name in names}
 
     def _gain_over_chance(self, member: str) -> float:
         """Return how much more a member explains than the best candidate would of noise."""
@@ -279,6 +258,8 @@ class Search:
 
     def _pretended(self, name: str, beside: Fit) -> float:
         """Return what a candidate seems to gain where there is no more than what is accepted."""
+        if "imitations" in self.model.without and name:
+            return 0.0
         if beside.hypothesis not in self._imitated:
             self.progress("imitating the recordings with what has been found")
             self._imitated[beside.hypothesis] = visibilities(
@@ -286,12 +267,6 @@ class Search:
             )
         shown = self._imitated[beside.hypothesis]
         return shown[name].pretended if name in shown else 0.0
-
-    def _too_small(self, name: str, found: Fit) -> bool:
-        """Return whether an effect came out smaller than real parts ever show it."""
-        sizes = {effect.id: effect.parameters[0] for effect in self.model.effects}
-        size = sizes[name]
-        return abs(found.shared[f"{name}:{size.name}"]) < size.least
 
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
@@ -304,6 +279,15 @@ class Search:
             place = self.accepted.index(member)
             self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
             self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+
+    def _judge(self, current: Fit) -> Judge:
+        """Return what decides over additions to a fit."""
+        if self.model.steady:
+            return ByGain(
+                current, self.baseline, self.model.effects, lambda n: self._pretended(n, current)
+            )
+        found = (self._unexplained(self.baseline), self._unexplained(current))
+        return ByEvidence(current, self.candidates, *found)
 
     def _compatible(self, accepted: Sequence[str]) -> list[str]:
         """Return the candidates that may be added to some others."""
@@ -373,40 +357,20 @@ class Search:
         effective = min(tried.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in tried.items()}
         drop = {name: current.evidence(effective) - value for name, value in evidence.items()}
-        earning = [name for name in tried if self._earns(name, current, tried[name], drop[name])]
-        if self.model.steady and earning:
-            # A flexible candidate that explains little must not shield one that earns its place.
-            evidence = {name: evidence[name] for name in earning}
-        name = self._first_choice(evidence, current, tried)
+        judge = self._judge(current)
+        earning = [name for name in tried if judge.earns(name, tried[name], drop[name])]
+        name = judge.first_choice(evidence, tried, earning)
         self.ledger.append(
             Step(
                 current.hypothesis.members,
                 name,
                 name in earning,
                 evidence_drop=drop[name],
-                share=self._share_gained(current, tried[name]),
+                share=judge.share(tried[name]),
                 rms={n: f.rms for n, f in tried.items()},
             )
         )
         return name if name in earning else None
-
-    def _first_choice(
-        self, evidence: Mapping[str, float], current: Fit, tried: Mapping[str, Fit]
-    ) -> str:
-        """Return the candidate to be named: the simplest of those that explain as much."""
-        lowest = min(evidence, key=evidence.__getitem__)
-        if not self.model.steady:
-            limit = evidence[lowest] + TIED
-            return next(n for n in self.candidates if n in evidence and evidence[n] < limit)
-        gain = {name: self._gain(current, tried[name]) for name in evidence}
-        # A wrong parameter has no form that could differ.
-        alike = [
-            name
-            for name in evidence
-            if gain[name] > (1.0 - AS_GOOD) * gain[lowest]
-            and (not name.startswith("param.") or evidence[name] < evidence[lowest] + UNDECIDED)
-        ]
-        return min(alike or [lowest], key=lambda name: (tried[name].unknowns, evidence[name]))
 
     def alike(self, member: str) -> list[str]:
         """Return the effects that, in place of a member, explain nearly as much of the mismatch.
@@ -417,47 +381,11 @@ class Search:
         if not self.model.steady:
             return []
         rest, others = self._in_place_of(member)
-        own = self._gain(rest, others[member])
+        own = gain(rest, others[member])
         return [
             name
             for name, found in others.items()
             if name != member
             and not name.startswith("param.")
-            and self._gain(rest, found) > (1.0 - SECOND_SHARE) * own
+            and gain(rest, found) > (1.0 - SECOND_SHARE) * own
         ]
-
-    def _share_gained(self, current: Fit, closer: Fit) -> float:
-        """Return the share of what the baseline leaves unexplained that a closer fit explains.
-
-        Where noise cannot be told from a small misfit: of all that is explained so far.
-        """
-        whole = self._unexplained(self.baseline)
-        if self.model.steady:
-            whole = self._gain(self.baseline, closer)
-        return self._gain(current, closer) / max(whole, 1e-300)
-
-    @staticmethod
-    def _gain(current: Fit, closer: Fit) -> float:
-        """Return the drop of the sum of squares."""
-        return current.samples * (current.rms**2 - closer.rms**2)
-
-    def _earns(self, name: str, current: Fit, closer: Fit, drop: float) -> bool:
-        """Return whether a candidate earns its place beside what is already accepted."""
-        # A refit may already have moved a parameter far out of its tolerance: freeing it then
-        # explains nothing more, but says what is wrong.
-        if name.startswith("param."):
-            return drop > (UNDECIDED if self.model.steady else DECISIVE)
-        if drop <= DECISIVE or self._too_small(name, closer):
-            return False
-        share = self._share_gained(current, closer)
-        if self.model.steady:
-            # In the weights of the closer fit: a misfit that it removes no longer counts as noise.
-            before, after = (closer.weigh(f.residuals) for f in (current, closer))
-            gain = float(np.sum(before**2) - np.sum(after**2))
-            # Where the named law and the real one differ in form a little is always left.
-            enough = not self.accepted or share > SECOND_SHARE
-            return enough and gain > max(
-                LEAST_GAIN, OVER_IMITATIONS * self._pretended(name, current)
-            )
-        gain = self._gain(current, closer)
-        return share > SMALLEST_SHARE or gain > LARGE_SHARE_OF_REST * self._unexplained(current)

@@ -14,13 +14,15 @@ _MODELS: dict[str, type[Model]] = {
 }
 
 
-def model_of(kind: str) -> Model:
+def model_of(kind: str, without: frozenset[str] = frozenset()) -> Model:
     """Return the model for a kind of rig.
 
     Parameters
     ----------
     kind : str
         Kind of rig, such as ``"dead-volume"``.
+    without : frozenset of str, optional
+        Parts of the diagnosis that are left out, of `pneuservo.diagnosis.PARTS`.
 
     Returns
     -------
@@ -36,7 +38,7 @@ def model_of(kind: str) -> Model:
         raise InputError(
             f"the diagnosis does not cover rig {kind!r} yet; it covers: {', '.join(_MODELS)}"
         )
-    return _MODELS[kind]()
+    return _MODELS[kind](without)
 
 
-__all__ = ["Case", "Model", "Unknown", "model_of"]
+__all__ = ["AnalogueCardModel", "Case", "Model", "Unknown", "model_of"]

@@ -141,12 +141,7 @@ class AnalogueCardModel(Model):
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged tap as its inputs, recorded, should make it [units of its noise]."""
-        heeded = (*_EVERYWHERE, *_HEEDED[case.channel])
-        mine = {
-            key.rpartition(_OWN)[2]: value
-            for key, value in values.items()
-            if _OWN in key or key.startswith(heeded)
-        }
+        mine = _heeded(case, values)
         key = tuple(sorted(mine.items()))
         done: dict[object, Array] = case.inputs["done"]
         if key not in done:
@@ -154,6 +149,10 @@ class AnalogueCardModel(Model):
                 done.pop(next(iter(done)))
             done[key] = _weighed(case, _stage(case, mine))
         return done[key]
+
+    def tap(self, case: Case, values: Values) -> Array:
+        """Return the judged tap as its inputs, recorded, should make it, unweighed [V]."""
+        return _stage(case, _heeded(case, values))
 
     def imitate(
         self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
@@ -287,6 +286,16 @@ def _whole_stages(recording: Recording) -> list[str]:
         for channel, inputs in _STAGES.items()
         if all(name in recording for name in (channel, *inputs))
     ]
+
+
+def _heeded(case: Case, values: Values) -> dict[str, float]:
+    """Return the values that a stage depends on, its own errors by their bare names."""
+    heeded = (*_EVERYWHERE, *_HEEDED[case.channel])
+    return {
+        key.rpartition(_OWN)[2]: value
+        for key, value in values.items()
+        if _OWN in key or key.startswith(heeded)
+    }
 
 
 def _stage(case: Case, values: Values) -> Array:

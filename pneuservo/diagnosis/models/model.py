@@ -135,6 +135,9 @@ class Model:
     joint: ClassVar[bool] = False
     """Whether the unknowns of a recording's first case hold for all its cases."""
 
+    def __init__(self, without: frozenset[str] = frozenset()):
+        self.without = without
+
     @property
     def effects(self) -> tuple[Effect, ...]:
         """Return the effects of the catalogue that this rig can show."""

@@ -61,6 +61,8 @@ class ServoModel(Model):
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
         fed = _likelier_command(with_observer(feed(recording, rig), rig), rig)
+        if "stick-mask" in self.without:
+            fed = with_gains(replace(fed, held=fed.touching), rig)
         found = []
         for channel, unit in (("displacement", "m"), ("pressure_a", "Pa"), ("pressure_b", "Pa")):
             if channel not in recording:
@@ -90,7 +92,9 @@ class ServoModel(Model):
         return tuple(
             key
             for key, parameter in case.rig.parameters.items()
-            if parameter.tolerance and not (measured_supply and key == "supply.pressure")
+            if parameter.tolerance
+            and not (measured_supply and key == "supply.pressure")
+            and not ("nuisances" in self.without and key.startswith("valve.spool."))
         )
 
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
@@ -101,7 +105,7 @@ class ServoModel(Model):
         friction gives way by some micrometres before it slips. What a filter starts from is
         forgotten.
         """
-        if case.channel != "displacement":
+        if case.channel != "displacement" or "nuisances" in self.without:
             return []
         sigma = case.inputs["feed"].spread_of_force
         zero = Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, sigma, "N")

@@ -1,0 +1,39 @@
+"""A search that the user stops answers with what it has."""
+
+import pytest
+
+from pneuservo.diagnosis import diagnose, document
+from pneuservo.examples.leaking_volume import leaking_volume
+
+
+def stop_at(word):
+    def progress(step):
+        if word in step:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_interrupted_after_the_first_effect_it_answers_with_that():
+    whole = diagnose([leaking_volume()])
+    second = whole.search.ledger[1]
+    first = whole.search.ledger[0].candidate
+    assert second.base == (first,)
+    found = diagnose([leaking_volume()], progress=stop_at(f"{first} + "))
+    answer = document(found)
+    assert answer["partial"] is True
+    assert answer["verdict"] == "missing-physics"
+    assert [entry["effect"] for entry in answer["missing"]] == [first]
+    assert "partial" not in document(whole)
+
+
+def test_interrupted_among_the_first_candidates_it_knows_the_baseline():
+    found = diagnose([leaking_volume()], progress=stop_at("fitting leakage.laminar"))
+    answer = document(found)
+    assert answer["partial"] is True
+    assert answer["missing"] == [] or answer["verdict"] == "unexplained"
+
+
+def test_interrupted_before_the_baseline_there_is_no_answer():
+    with pytest.raises(KeyboardInterrupt):
+        diagnose([leaking_volume()], progress=stop_at("the baseline"))
