@@ -5,6 +5,11 @@ from collections.abc import Collection
 
 from pneuservo.errors import InputError
 
+MOST_LISTED = 40
+"""Where more names are known a message lists only the closest ..."""
+CLOSEST_LISTED = 6
+"""... so many of them."""
+
 
 def nearest(name: str, known: Collection[str]) -> str:
     """Return a hint that names the known name closest to a mistyped one.
@@ -46,10 +51,15 @@ def require_known(name: str, known: Collection[str], where: str) -> None:
     Raises
     ------
     InputError
-        When the name is not known; the message lists the known ones and the nearest.
+        When the name is not known; the message lists the known ones, or the closest of many.
     """
     if name not in known:
-        there_are = ", ".join(known) or "none"
-        raise InputError(
-            f"{where}: {name!r} is not known; there are: {there_are}{nearest(name, known)}"
-        )
+        raise InputError(f"{where}: {name!r} is not known; {_there_are(name, known)}")
+
+
+def _there_are(name: str, known: Collection[str]) -> str:
+    """Return what would have been accepted: all of it, or of many the closest."""
+    if len(known) > MOST_LISTED:
+        close = difflib.get_close_matches(name, list(known), CLOSEST_LISTED, 0.0)
+        return f"there are {len(known)}, among them: {', '.join(close)}{nearest(name, known)}"
+    return f"there are: {', '.join(known) or 'none'}{nearest(name, known)}"

@@ -12,6 +12,7 @@ from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.search import SUREST, Search
+from pneuservo.diagnosis.sessions import between_sessions, session_of
 from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
@@ -21,6 +22,8 @@ WORTH_CORRECTING = 0.1
 """A parameter that moved by a smaller share of its tolerance is not worth correcting."""
 WHOLE_TOLERANCE = 1.0
 """The same where long recordings tell every parameter better than its tolerance does."""
+
+_REPAIRED = ", repaired"
 
 
 def document(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -36,7 +39,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     dict
         ``schema``, ``verdict``, ``located``, ``missing``, ``corrected_parameters``,
         ``cannot_separate``, ``not_visible`` and ``fit``, ready for JSON; ``partial`` too when the
-        search was interrupted.
+        search was interrupted, ``sessions`` when the rig was fitted to other recordings.
     """
     verdict = diagnosis.verdict
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
@@ -46,6 +49,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
     partial = {"partial": True} if diagnosis.search.interrupted else {}
+    sessions = between_sessions(diagnosis.search, diagnosis.rig)
     return {
         "schema": SCHEMA,
         **partial,
@@ -61,6 +65,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
             if not any(entry["effect"] in found["class"] for found in missing)
         ],
         "fit": _fit(diagnosis),
+        **({"sessions": sessions} if sessions else {}),
     }
 
 
@@ -78,7 +83,7 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         A rig file: every fitted parameter and every effect with value and interval.
     """
     chosen, rig = diagnosis.repaired, diagnosis.rig
-    head = {"kind": rig.kind, "title": f"{rig.title}, repaired"}
+    head = {"kind": rig.kind, "title": f"{rig.title.removesuffix(_REPAIRED)}{_REPAIRED}"}
     if rig.valve:
         head["valve"] = rig.valve
     parameters = {
@@ -87,7 +92,7 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
             "unit": parameter.unit,
             "low": chosen.intervals[key][0],
             "high": chosen.intervals[key][1],
-            "nominal": diagnosis.search.cases[0].rig[key],
+            "nominal": _nominal(diagnosis, key),
             "source": "fitted by the diagnosis",
         }
         for key, parameter in rig.parameters.items()
@@ -108,11 +113,23 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         "rig": head,
         "parameters": parameters,
         "effects": effects,
-        "diagnosis": {
-            "verdict": diagnosis.verdict,
-            "recordings": [case.recording.name for case in diagnosis.search.cases],
-        },
+        "diagnosis": {"verdict": diagnosis.verdict} | _session(diagnosis.search),
     }
+
+
+def _nominal(diagnosis: Diagnosis, key: str) -> float:
+    """Return what a parameter was taken to be before anything was fitted to any recording."""
+    here, there = diagnosis.search.cases[0].rig.parameters[key], diagnosis.rig.parameters[key]
+    measured_anew = here.value != there.value
+    return here.value if measured_anew or there.nominal is None else there.nominal
+
+
+def _session(search: Search) -> dict[str, Any]:
+    """Return what a rig file says of the recordings that it was fitted to."""
+    if search.model.steady:
+        # A recording stands once per judged channel among the cases.
+        return {"recordings": list(dict.fromkeys(case.recording.name for case in search.cases))}
+    return session_of(search.model, search.cases, search.chosen).as_table()
 
 
 def _effects(search: Search) -> list[str]:

@@ -89,14 +89,14 @@ def lookalikes(search: Search, parameter: str) -> list[str]:
     mine = _sensitivity(search, chosen, parameter)
     alike = [f"param.{parameter}"]
     for other in search.model.fitted(search.cases[0]):
-        if other != parameter and _cosine(mine, _sensitivity(search, chosen, other)) > (
+        if other != parameter and cosine(mine, _sensitivity(search, chosen, other)) > (
             SAME_DIRECTION
         ):
             alike.append(f"param.{other}")
     for effect in search.model.effects:
         if effect.id not in search.accepted:
             signature = _signature_at_full_size(search, chosen, effect)
-            if _cosine(mine, signature) > SAME_DIRECTION:
+            if cosine(mine, signature) > SAME_DIRECTION:
                 alike.append(effect.id)
     return alike
 
@@ -109,12 +109,12 @@ def _same_direction(search: Search, parameter: str) -> list[str]:
     alike += [
         f"param.{key}"
         for key, column in columns.items()
-        if key in base.shared and key != parameter and _cosine(mine, column) > SAME_DIRECTION
+        if key in base.shared and key != parameter and cosine(mine, column) > SAME_DIRECTION
     ]
     alike += [
         name
         for name, variants in search.signatures.items()
-        if name not in search.accepted and _cosine(mine, variants[0][:, 0] / scale) > SAME_DIRECTION
+        if name not in search.accepted and cosine(mine, variants[0][:, 0] / scale) > SAME_DIRECTION
     ]
     return alike
 
@@ -150,6 +150,7 @@ def _difference(search: Search, found: Fit, changed: dict[str, Any]) -> Array:
     return np.concatenate(parts)
 
 
-def _cosine(one: Array, other: Array) -> float:
+def cosine(one: Array, other: Array) -> float:
+    """Return how much two signatures point the same way, whatever their sign: 0 to 1."""
     sizes = float(np.linalg.norm(one) * np.linalg.norm(other))
     return abs(float(one @ other)) / sizes if sizes else 0.0

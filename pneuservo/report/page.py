@@ -5,6 +5,7 @@ from typing import Any
 
 from pneuservo.diagnosis import Diagnosis
 from pneuservo.report.diagnosis_figures import diagnosis_figures
+from pneuservo.report.sessions import between_sessions_in_words
 from pneuservo.report.words import headline, quantity
 
 
@@ -21,7 +22,7 @@ def render(template: str, **content: Any) -> str:
     Returns
     -------
     str
-        HTML without references to other files.
+        HTML; it refers to no other file unless the template does.
     """
     return _environment().get_template(template).render(**content)
 
@@ -57,6 +58,7 @@ def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         "ledger": diagnosis.search.ledger,
         "over_chance": diagnosis.search.over_chance,
         "remark": remark,
+        "between_sessions": between_sessions_in_words(answer),
     }
 
 

@@ -80,7 +80,7 @@ def draw_run(signature: Signature, ax: "Axes") -> "Axes":
     ):
         time, samples = thinned(signature.time, factor * run[channel])
         ax.plot(time, samples, color=colour, alpha=0.45, lw=1.2, label=label)
-    return _labelled(ax, f"{_words(channel)} [{unit}]")
+    return _labelled(ax, f"{_words(channel)}\n[{unit}]")
 
 
 def draw_change(
@@ -208,5 +208,6 @@ def _labelled(ax: "Axes", label: str) -> "Axes":
     ax.set_xlabel("time [s]")
     ax.grid(alpha=0.3)
     if len(ax.lines) > 1:
-        ax.legend(loc="upper right", fontsize="small", frameon=False, ncols=2)
+        beside = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
+        ax.legend(fontsize="small", frameon=False, ncols=2, **beside)
     return ax

@@ -1,6 +1,7 @@
 """Rigs as data: one TOML per rig, every value with unit and source."""
 
 from pneuservo.rigs.rig import BUILT_IN_RIGS, VARIANTS, Parameter, Rig, load_rig
+from pneuservo.rigs.session import Session
 from pneuservo.rigs.transducers import Transducer
 from pneuservo.rigs.valve_tables import FlowPathTable, load_valve_tables
 
@@ -10,6 +11,7 @@ __all__ = [
     "FlowPathTable",
     "Parameter",
     "Rig",
+    "Session",
     "Transducer",
     "load_rig",
     "load_valve_tables",

@@ -12,6 +12,7 @@ from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest, require_known
+from pneuservo.rigs.session import Session, read_session
 from pneuservo.rigs.transducers import Transducer, read_transducers
 
 BUILT_IN_RIGS = (
@@ -78,6 +79,8 @@ class Rig:
     transducers : mapping of str to Transducer
         By ``displacement`` and ``pressure``: noise and range of what is read. Empty for exact
         readings.
+    session : Session, optional
+        The recordings that its values were fitted to; None when nothing was fitted.
     """
 
     name: str
@@ -87,6 +90,7 @@ class Rig:
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     valve: str = ""
     transducers: Mapping[str, Transducer] = field(default_factory=dict)
+    session: Session | None = None
 
     def __getitem__(self, parameter: str) -> float:
         """Return the value of a parameter in SI."""
@@ -245,7 +249,9 @@ def _merge(data: dict[str, Any], path: Path) -> Rig:
     effects = _effects(_table(data, "effects", path), kind, f"{path} [effects]")
     transducers = read_transducers(_table(data, "transducers", path), kind, f"{path} [transducers]")
     title, valve = head.get("title", base.title), str(head.get("valve", base.valve))
-    return Rig(str(path), kind, str(title), parameters, effects, _valve(valve, path), transducers)
+    session = read_session(_table(data, "diagnosis", path), f"{path} [diagnosis]")
+    valve = _valve(valve, path)
+    return Rig(str(path), kind, str(title), parameters, effects, valve, transducers, session)
 
 
 def _valve(valve: str, path: Path) -> str:

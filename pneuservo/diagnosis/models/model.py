@@ -218,6 +218,10 @@ class Model:
         """
         return {}
 
+    def circumstances(self, case: Case) -> dict[str, tuple[float, str]]:
+        """Return under which circumstances a recording was taken: value and SI unit."""
+        return {"sampling interval": (case.recording.sampling_interval, "s")}
+
     def closeup(self, case: Case) -> slice:
         """Return the stretch of a recording that a picture should show."""
         return slice(None)

@@ -165,6 +165,12 @@ class SealTesterModel(Model):
             "below 2 bar gauge": case.inputs["gauge_pressure"] < 2e5,
         }
 
+    def circumstances(self, case: Case) -> dict[str, tuple[float, str]]:
+        """Return the sampling interval and how fast the piston was driven."""
+        speed = case.inputs["speed"]
+        driven = float(np.median(speed[speed > 0.0])) if np.any(speed) else 0.0
+        return super().circumstances(case) | {"speed of the drive": (driven, "m/s")}
+
     def closeup(self, case: Case) -> slice:
         """Return a quarter of the recording: two or three strokes of a usual run."""
         return slice(0, max(200, len(case.measured) // 4))
