@@ -12,6 +12,7 @@ from rich.console import Console
 
 from benchmarks import circuit_loop
 from benchmarks.batches import gradient_rows, monte_carlo_rows, scaling_rows
+from benchmarks.diagnosis import diagnosis_rows
 from benchmarks.results import RESULTS, Row, table_of, write_results
 from benchmarks.single_runs import single_rows
 from benchmarks.startup import startup_rows
@@ -36,6 +37,7 @@ def all_rows(
     yield from gradient_rows(duration, rounds)
     yield from startup_rows(rounds)
     yield from scaling_rows(duration, rounds)
+    yield from diagnosis_rows()
 
 
 def main(path: Path = RESULTS) -> None:

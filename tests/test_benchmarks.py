@@ -8,6 +8,7 @@ import pytest
 from benchmarks import single_runs, startup
 from benchmarks.batches import gradient_rows, monte_carlo_rows, scaling_rows
 from benchmarks.compiled_plant import CompiledPlant
+from benchmarks.diagnosis import diagnosis_rows
 from benchmarks.numpy_plant import NumpyPlant
 from benchmarks.problem import ALLOWED_ERROR, CARDS, displacement, reference
 from benchmarks.results import Row, table_of, write_results
@@ -65,6 +66,16 @@ def test_startup_row():
     rows = {row.name: row for row in startup.startup_rows(1)}
     # A third of a second on an idle machine is asked for; CPU time hardly depends on others.
     assert rows["pneuservo --help"].value < 0.3
+
+
+def test_rows_of_a_diagnosis_add_up():
+    whole, observer, ratio, *parts = diagnosis_rows(0.5, 1)
+    assert "leakage.chamber-a" in whole.note
+    # Every part was recognised in what the diagnosis says it is doing, and took some time.
+    assert len(parts) == 7
+    assert all(part.value > 0.0 for part in parts)
+    assert sum(part.value for part in parts) == pytest.approx(whole.value, rel=1e-9)
+    assert ratio.value == pytest.approx(1e3 * whole.value / observer.value, rel=1e-9)
 
 
 def test_results_are_written(tmp_path):

@@ -46,5 +46,12 @@ def test_python_examples_run(capsys):
 
 
 def test_pages_and_pictures_named_exist():
+    headings = [
+        re.sub(r"[^a-z0-9 -]", "", line.strip("# ").lower()).replace(" ", "-")
+        for line in README.splitlines()
+        if line.startswith("#")
+    ]
     for target in re.findall(r"\]\(([^)]+)\)", README):
-        assert (Path(__file__).parents[1] / target).is_file(), target
+        file, _, heading = target.partition("#")
+        assert not file or (Path(__file__).parents[1] / file).is_file(), target
+        assert not heading or heading in headings, target

@@ -126,11 +126,14 @@ def command(
     if as_json:
         click.echo(json.dumps(answer, indent=2))
         return
+    from pneuservo.report.sessions import between_sessions_in_words
     from pneuservo.report.words import headline
 
     if answer.get("partial"):
         click.echo("interrupted: this answer is made of what had been fitted until then")
     click.echo(f"{answer['verdict']}: {headline(answer)}")
+    for sentence in between_sessions_in_words(answer):
+        click.echo(sentence)
     click.echo(f"report: {out / 'report.html'}")
 
 

@@ -208,6 +208,12 @@ def _labelled(ax: "Axes", label: str) -> "Axes":
     ax.set_xlabel("time [s]")
     ax.grid(alpha=0.3)
     if len(ax.lines) > 1:
-        beside = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0}
-        ax.legend(fontsize="small", frameon=False, ncols=2, **beside)
+        ax.legend(
+            fontsize="small",
+            frameon=False,
+            ncols=2,
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            borderaxespad=0.0,
+        )
     return ax

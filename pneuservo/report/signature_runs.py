@@ -125,7 +125,9 @@ def _card_taps() -> Run:
 
     rig, time = load_rig("analogue-card"), np.arange(0.0, 0.16, 1e-4)
     swing = ((2.0, 3.0), (1.0, 17.0), (0.35, 60.0))
-    voltage = 5.0 + sum(size * np.cos(2.0 * np.pi * f * time) for size, f in swing)
+    voltage = np.full(len(time), 5.0)
+    for size, frequency in swing:
+        voltage += size * np.cos(2.0 * np.pi * frequency * time)
     demand = np.where(time % 0.12 < 0.06, 4.0, 6.0)
     taps = run_behaviour(CardBehaviour(load_design()), time, voltage, demand)
     channels = {

@@ -10,6 +10,8 @@ _UNITS = {
     "m**2": (1e6, "mm²"),
     "kg/s": (1e6, "mg/s"),
     "V": (1e3, "mV"),
+    "m": (1e3, "mm"),
+    "m/s": (1e3, "mm/s"),
     "": (1.0, ""),
 }
 
@@ -17,7 +19,7 @@ _LIKELY = 0.5
 """Below this probability an effect is only claimed as one of its class."""
 
 
-def quantity(value: float | None, unit: str) -> str:
+def quantity(value: float | None, unit: str, step: float = 0.0) -> str:
     """Return a number with three significant digits and a unit that people use.
 
     Parameters
@@ -26,6 +28,8 @@ def quantity(value: float | None, unit: str) -> str:
         In SI.
     unit : str
         SI unit.
+    step : float, optional
+        A difference of which two digits have to show, where three of the value are too few [SI].
 
     Returns
     -------
@@ -36,11 +40,20 @@ def quantity(value: float | None, unit: str) -> str:
     --------
     >>> quantity(502.9, "Pa"), quantity(1.6e-6, "kg/s"), quantity(None, "N")
     ('0.00503 bar', '1.6 mg/s', '–')
+    >>> quantity(0.0252132, "m"), quantity(0.0252132, "m", step=2e-5)
+    ('25.2 mm', '25.213 mm')
     """
     if value is None or not math.isfinite(value):
         return "–"
     scale, name = _UNITS.get(unit, (1.0, unit.replace("**2", "²").replace("**3", "³")))
-    return f"{value * scale:.3g} {name.replace('**', '^').replace('*', ' ')}".strip()
+    digits = 3
+    if value and step:
+        digits = max(digits, _magnitude(value) - _magnitude(step) + 2)
+    return f"{value * scale:.{digits}g} {name.replace('**', '^').replace('*', ' ')}".strip()
+
+
+def _magnitude(value: float) -> int:
+    return math.floor(math.log10(abs(value)))
 
 
 def headline(answer: dict[str, Any]) -> str:

@@ -26,6 +26,8 @@ _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
+_MEDIAN = 0.455
+"""Of the square of a standard normal variable."""
 _KEPT = 4
 """Results kept per recording."""
 _TOGETHER = 0.2
@@ -183,10 +185,27 @@ def _likelier_command(ramped: Feed, rig: Rig) -> Feed:
     A controller that samples holds its command; an analogue one, or a recorder, does not.
     """
     held = with_gains(held_command(ramped, rig), rig)
-    sharp = replace(ramped, spread=held.spread, gains=held.gains, shares=held.shares, done={})
-    noise = np.array([held.noise.get(name, 1.0) for name in CHANNELS])[:, np.newaxis]
-    left = [float(np.sum((run_observer(fed, {}, rig) / noise) ** 2)) for fed in (sharp, held)]
-    return held if left[1] < left[0] else ramped
+    # Where the command runs smoothest both are alike.
+    bend = np.max(ramped.spread - held.spread, axis=0)
+    calm = np.concatenate([[True], (bend <= np.median(bend))[:-1]])
+    unlikely = [_unlikeliness(fed, rig, calm) for fed in (ramped, held)]
+    return held if unlikely[1] < unlikely[0] else ramped
+
+
+def _unlikeliness(fed: Feed, rig: Rig, calm: NDArray[np.bool_]) -> float:
+    """Return twice the negative log-likelihood of the innovations, but for a constant.
+
+    A misfit all over is no argument: innovations count in their size where the command is calm.
+    """
+    noise = np.array([fed.noise.get(name, 1.0) for name in CHANNELS])[:, np.newaxis]
+    square = (run_observer(fed, {}, rig) / noise) ** 2
+    there = fed.shares.T > 0.0
+    total = 0.0
+    for squares, shares, seen in zip(square, fed.shares.T, there, strict=True):
+        if seen.any():
+            level = max(1.0, float(np.median(squares[seen & calm])) / _MEDIAN)
+            total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
+    return total
 
 
 def _fitted_rig(rig: Rig, values: Values) -> Rig:

@@ -1,0 +1,101 @@
+"""The session of recordings that the values of a rig file were fitted to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pneuservo.errors import InputError
+
+
+@dataclass(frozen=True)
+class Session:
+    """What a set of recordings, taken together, says of itself.
+
+    Parameters
+    ----------
+    recordings : tuple of str
+        Their names.
+    misfit : mapping of str to float
+        Root mean square that the repaired model leaves of each judged channel [SI].
+    values : mapping of str to tuple of float
+        By rig parameter or circumstance, one value per recording [SI].
+    units : mapping of str to str
+        The SI unit of each of the values.
+    """
+
+    recordings: tuple[str, ...]
+    misfit: Mapping[str, float] = field(default_factory=dict)
+    values: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def as_table(self) -> dict[str, Any]:
+        """Return it as a table for a rig file."""
+        return {
+            "recordings": list(self.recordings),
+            "misfit": dict(self.misfit),
+            "values": {
+                name: {"unit": self.units[name], "each": list(each)}
+                for name, each in self.values.items()
+            },
+        }
+
+
+def read_session(table: Mapping[str, Any], where: str) -> Session | None:
+    """Return the session that a rig file states.
+
+    Parameters
+    ----------
+    table : mapping
+        ``[diagnosis]`` of the file.
+    where : str
+        What messages call the table.
+
+    Returns
+    -------
+    Session or None
+        None when the file names no recordings.
+
+    Raises
+    ------
+    InputError
+        When a value is not what a diagnosis writes.
+
+    Examples
+    --------
+    >>> read_session({"recordings": ["a"], "misfit": {"force": 0.7}}, "model.toml").misfit
+    {'force': 0.7}
+    """
+    names = table.get("recordings", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{where} recordings: {names!r} is not a list of names")
+    if not names:
+        return None
+    misfit = {
+        channel: _number(value, f"{where} misfit {channel}")
+        for channel, value in _table(table, "misfit", where).items()
+    }
+    values, units = {}, {}
+    for name, entry in _table(table, "values", where).items():
+        each = entry.get("each") if isinstance(entry, dict) else None
+        if not isinstance(each, list) or len(each) != len(names):
+            raise InputError(
+                f"{where} values {name}: needs a list 'each' of {len(names)} numbers, "
+                "one per recording"
+            )
+        values[name] = tuple(_number(value, f"{where} values {name}") for value in each)
+        units[name] = str(entry.get("unit", ""))
+    return Session(tuple(names), misfit, values, units)
+
+
+def _table(table: Mapping[str, Any], key: str, where: str) -> Mapping[str, Any]:
+    entry = table.get(key, {})
+    if not isinstance(entry, dict):
+        raise InputError(f"{where}: {key} has to be a table")
+    return entry
+
+
+def _number(value: Any, what: str) -> float:
+    # NaN fails the comparison.
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300:
+        raise InputError(f"{what}: {value!r} is not a finite number")
+    return float(value)
