@@ -47,19 +47,21 @@ def session_of(model: Model, cases: Sequence[Case], found: Fit) -> Session:
     recordings = tuple(case.recording.name for case in cases)
     values: dict[str, tuple[float, ...]] = {}
     units: dict[str, str] = {}
+    freedom: dict[str, int] = {}
     circumstances = [model.circumstances(case) for case in cases]
     for name, (_, unit) in circumstances[0].items():
         values[name] = tuple(each[name][0] for each in circumstances)
-        units[name] = unit
+        units[name], freedom[name] = unit, len(cases) - 1
     per_recording = _sensitivities(model, cases, found)
-    for key in per_recording[0]:
-        if all(np.any(columns[key]) for columns in per_recording):
+    for key in model.fitted(cases[0]):
+        if key in per_recording[0] and all(np.any(columns[key]) for columns in per_recording):
             values[key] = tuple(
-                found.shared[key] + _wanted(key, columns, left)
+                found.shared[key] + _wanted(key, model.fitted(cases[0]), columns, left)
                 for columns, left in zip(per_recording, found.residuals, strict=True)
             )
             units[key] = cases[0].rig.parameters[key].unit
-    return Session(recordings, misfit, values, units)
+            freedom[key] = max(len(cases) - len(_alike_in_all(key, per_recording)), 0)
+    return Session(recordings, misfit, values, units, freedom)
 
 
 def between_sessions(search: Search, rig: Rig) -> dict[str, Any] | None:
@@ -88,7 +90,11 @@ def between_sessions(search: Search, rig: Rig) -> dict[str, Any] | None:
     per_recording = _sensitivities(model, cases, as_trained)
     found = []
     for name, values in here.values.items():
-        difference = _difference(there.values.get(name, ()), values)
+        if name not in there.values:
+            continue
+        # Nothing shared was fitted to the recordings here.
+        freedom = there.freedom[name] + len(values) - 1
+        difference = _difference(there.values[name], values, freedom)
         if difference is None or difference["low"] <= 0.0 <= difference["high"]:
             continue
         found.append(
@@ -117,15 +123,16 @@ def _order(entry: dict[str, Any]) -> tuple[bool, float]:
     return entry["kind"] != "parameter", (size["high"] - size["low"]) / abs(size["value"])
 
 
-def _difference(there: Sequence[float], here: Sequence[float]) -> dict[str, float] | None:
-    """Return the difference of two means and its 95 % interval, or None with too few values.
+def _difference(
+    there: Sequence[float], here: Sequence[float], freedom: int
+) -> dict[str, float] | None:
+    """Return the difference of two means and its 95 % interval, or None when nothing can scatter.
 
     Student's t with the scatter of both sets together (Student 1908).
     """
     from scipy.stats import t
 
-    freedom = len(there) + len(here) - 2
-    if not there or not here or freedom < 1:
+    if freedom < 1:
         return None
     value = float(np.mean(here) - np.mean(there))
     scatter = sum(float(np.sum((np.asarray(v) - np.mean(v)) ** 2)) for v in (there, here))
@@ -135,29 +142,37 @@ def _difference(there: Sequence[float], here: Sequence[float]) -> dict[str, floa
 
 
 def _sensitivities(model: Model, cases: Sequence[Case], found: Fit) -> list[dict[str, Array]]:
-    """Return what each fitted parameter of the rig does to each recording, usable samples only.
+    """Return what each fitted value does to each recording, usable samples only.
 
-    Parameters that were measured anew for a recording are left out.
+    Parameters of the rig that were measured anew for a recording are left out.
     """
     first = cases[0].rig
-    keys = [key for key in model.fitted(cases[0]) if all(c.rig[key] == first[key] for c in cases)]
+    keys = [
+        key
+        for key in found.shared
+        if key not in first.parameters or all(case.rig[key] == first[key] for case in cases)
+    ]
     per_recording = []
     for case, own in zip(cases, found.own, strict=True):
         values = values_in(case, cases[0], found.shared, own)
         before = model.predict(case, values)
         columns = {}
         for key in keys:
-            step = _STEP * (abs(values[key]) or first.parameters[key].tolerance or 1.0)
+            known = first.parameters.get(key)
+            step = _STEP * (abs(values[key]) or (known and known.tolerance) or 1.0)
             after = model.predict(case, {**values, key: values[key] + step})
             columns[key] = (after - before)[case.usable] / step
         per_recording.append(columns)
     return per_recording
 
 
-def _wanted(key: str, columns: Mapping[str, Array], left: Array) -> float:
-    """Return the change of a parameter that one recording asks for by what is left of it."""
+def _wanted(key: str, fitted: Sequence[str], columns: Mapping[str, Array], left: Array) -> float:
+    """Return the change of a parameter that one recording asks for by what is left of it.
+
+    Effects stay as they are: another session has no other fit of them.
+    """
     basis = [columns[key]]
-    for column in columns.values():
+    for column in (columns[other] for other in fitted if other in columns):
         if all(cosine(column, other) <= SAME_DIRECTION for other in basis):
             basis.append(column)
     sizes = np.array([float(np.linalg.norm(column)) or 1.0 for column in basis])
@@ -165,15 +180,22 @@ def _wanted(key: str, columns: Mapping[str, Array], left: Array) -> float:
     return float(change[0] / sizes[0])
 
 
-def _alike(key: str, columns: Mapping[str, Array]) -> set[str]:
-    """Return the parameters that a recording cannot tell from one, that one among them."""
-    mine = columns[key]
-    return {key} | {name for name, other in columns.items() if cosine(mine, other) > SAME_DIRECTION}
+def _alike_in_all(key: str, per_recording: Sequence[Mapping[str, Array]]) -> set[str]:
+    """Return the values that no recording on its own can tell from one, that one among them."""
+    alike = (
+        {
+            other
+            for other, column in columns.items()
+            if cosine(columns[key], column) > SAME_DIRECTION
+        }
+        for columns in per_recording
+    )
+    return {key}.union(set.intersection(*alike))
 
 
 def _class(search: Search, key: str, per_recording: Sequence[Mapping[str, Array]]) -> list[str]:
     """Return what no recording on its own can tell from a parameter, the parameter first."""
-    alike = set.intersection(*(_alike(key, columns) for columns in per_recording))
+    alike = _alike_in_all(key, per_recording)
     found: dict[str, None] = {}
     for parameter in (key, *sorted(alike - {key})):
         found.update(dict.fromkeys(lookalikes(search, parameter)))

@@ -13,7 +13,7 @@ from pneuservo.diagnosis.screen import imitated_residuals, projected
 
 ENOUGH_GAIN = 64.0
 """A table has to lower the weighted sum of squares by as much as an effect has to ..."""
-OVER_IMITATIONS = 5.0
+OVER_IMITATIONS = 8.0
 """... and by so many times what it lowers that of recordings without anything unexplained."""
 INSTEAD = 1.3
 """A table that explains so many times what the named effects do, in their place, leaves nothing of

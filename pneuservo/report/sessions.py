@@ -5,7 +5,6 @@ from typing import Any
 
 from pneuservo.report.words import quantity
 
-
 _ROUNDING = 1e-9
 
 

@@ -21,12 +21,15 @@ class Session:
         By rig parameter or circumstance, one value per recording [SI].
     units : mapping of str to str
         The SI unit of each of the values.
+    freedom : mapping of str to int
+        How many of the values the fit left free to scatter: a line through two points has none.
     """
 
     recordings: tuple[str, ...]
     misfit: Mapping[str, float] = field(default_factory=dict)
     values: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    freedom: Mapping[str, int] = field(default_factory=dict)
 
     def as_table(self) -> dict[str, Any]:
         """Return it as a table for a rig file."""
@@ -34,7 +37,11 @@ class Session:
             "recordings": list(self.recordings),
             "misfit": dict(self.misfit),
             "values": {
-                name: {"unit": self.units[name], "each": list(each)}
+                name: {
+                    "unit": self.units[name],
+                    "each": list(each),
+                    "freedom": self.freedom[name],
+                }
                 for name, each in self.values.items()
             },
         }
@@ -74,7 +81,7 @@ def read_session(table: Mapping[str, Any], where: str) -> Session | None:
         channel: _number(value, f"{where} misfit {channel}")
         for channel, value in _table(table, "misfit", where).items()
     }
-    values, units = {}, {}
+    values, units, freedom = {}, {}, {}
     for name, entry in _table(table, "values", where).items():
         each = entry.get("each") if isinstance(entry, dict) else None
         if not isinstance(each, list) or len(each) != len(names):
@@ -84,7 +91,8 @@ def read_session(table: Mapping[str, Any], where: str) -> Session | None:
             )
         values[name] = tuple(_number(value, f"{where} values {name}") for value in each)
         units[name] = str(entry.get("unit", ""))
-    return Session(tuple(names), misfit, values, units)
+        freedom[name] = int(_number(entry.get("freedom", 0), f"{where} values {name} freedom"))
+    return Session(tuple(names), misfit, values, units, freedom)
 
 
 def _table(table: Mapping[str, Any], key: str, where: str) -> Mapping[str, Any]:
