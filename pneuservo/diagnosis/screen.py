@@ -127,20 +127,18 @@ class Visibility:
 
 
 def visibilities(
-    model: Model, cases: Sequence[Case], base: Fit, signatures: Signatures, seed: int = 0
+    base: Fit, signatures: Signatures, imitations: Sequence[Array]
 ) -> dict[str, Visibility]:
     """Return how each effect would show in some recordings.
 
     Parameters
     ----------
-    model, cases
-        What is fitted to what.
     base : Fit
         The fitted baseline.
     signatures : mapping
         From `signatures_of`.
-    seed : int, optional
-        Seed of the noise of the recordings without effect.
+    imitations : sequence of (n,) array
+        From `imitated_residuals`.
 
     Returns
     -------
@@ -154,10 +152,7 @@ def visibilities(
     size.
     """
     basis, scale = _orthonormal(base.sensitivity), base.row_scale()
-    imitations = [
-        projected(base, left[:, np.newaxis])[:, 0]
-        for left in imitated_residuals(model, cases, base, seed)
-    ]
+    imitations = [projected(base, left[:, np.newaxis])[:, 0] for left in imitations]
     found = {}
     for name, variants in signatures.items():
         first = _weighted(base, scale, variants[0][:, :1])[:, 0]
@@ -168,6 +163,23 @@ def visibilities(
             float(np.linalg.norm(first)), float(np.linalg.norm(rest)), pretended
         )
     return found
+
+
+def gain_in(base: Fit, columns: Array, imitations: Sequence[Array]) -> float:
+    """Return what some changes seem to explain of recordings that hold nothing of the kind.
+
+    Parameters
+    ----------
+    base : Fit
+        The model that the recordings were made by.
+    columns : (n, k) array
+        Weighted changes.
+    imitations : sequence of (n,) array
+        From `imitated_residuals`.
+    """
+    span = _orthonormal(projected(base, columns))
+    left = [projected(base, copy[:, np.newaxis])[:, 0] for copy in imitations]
+    return max((float(np.sum((span.T @ copy) ** 2)) for copy in left), default=0.0)
 
 
 def imitated_residuals(

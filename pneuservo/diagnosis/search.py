@@ -25,12 +25,17 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, resolution
 from pneuservo.diagnosis.profile import with_profiles
-from pneuservo.diagnosis.screen import Visibility, promising, signatures_of, visibilities
+from pneuservo.diagnosis.screen import (
+    Visibility,
+    gain_in,
+    imitated_residuals,
+    promising,
+    signatures_of,
+    visibilities,
+)
 
 SUREST = 0.99
 """Largest probability that is claimed: the catalogue never holds everything."""
-WHITE = 0.7
-"""Residuals that are worth this share of their samples are white enough to hide nothing."""
 MOST_EFFECTS = 3
 
 
@@ -73,7 +78,8 @@ class Search:
     interrupted: bool = False
     over_chance: dict[str, float] = field(default_factory=dict)
     _promising: dict[Any, list[str]] = field(default_factory=dict)
-    _imitated: dict[Hypothesis, dict[str, Visibility]] = field(default_factory=dict)
+    _imitated: dict[Hypothesis, list[Array]] = field(default_factory=dict)
+    _visible: dict[Hypothesis, dict[str, Visibility]] = field(default_factory=dict)
 
     @property
     def baseline(self) -> Fit:
@@ -110,8 +116,7 @@ class Search:
     @cached_property
     def visibility(self) -> dict[str, Visibility]:
         """Return how each effect would show, for a model whose sensitivities are steady."""
-        self._pretended("", self.baseline)
-        return self._imitated[self.baseline.hypothesis]
+        return visibilities(self.baseline, self.signatures, self._copies(self.baseline))
 
     def _worth_fitting(
         self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
@@ -256,17 +261,32 @@ class Search:
         chance = chance_gain(rest.jacobian, directions, noise, self.seed)
         return gain / chance if chance > 0.0 else float("inf")
 
-    def _pretended(self, name: str, beside: Fit) -> float:
-        """Return what a candidate seems to gain where there is no more than what is accepted."""
-        if "imitations" in self.model.without and name:
-            return 0.0
-        if beside.hypothesis not in self._imitated:
+    def _copies(self, fitted: Fit) -> list[Array]:
+        """Return what a fit leaves of recordings that its own rig has made."""
+        if fitted.hypothesis not in self._imitated:
             self.progress("imitating the recordings with what has been found")
-            self._imitated[beside.hypothesis] = visibilities(
-                self.model, self.cases, beside, self.signatures, self.seed
+            self._imitated[fitted.hypothesis] = imitated_residuals(
+                self.model, self.cases, fitted, self.seed
             )
-        shown = self._imitated[beside.hypothesis]
-        return shown[name].pretended if name in shown else 0.0
+        return self._imitated[fitted.hypothesis]
+
+    def _pretended(self, name: str, beside: Fit, closer: Fit) -> float:
+        """Return what a candidate seems to gain where there is no more than what is accepted.
+
+        The larger of what its signatures and what it does at its fitted size would gain.
+        """
+        if "imitations" in self.model.without:
+            return 0.0
+        if beside.hypothesis not in self._visible:
+            self._visible[beside.hypothesis] = visibilities(
+                beside, self.signatures, self._copies(beside)
+            )
+        change = beside.weigh(beside.residuals) - beside.weigh(closer.residuals)
+        scale = closer.row_scale() / beside.row_scale()
+        columns = closer.sensitivities(name) * scale[:, np.newaxis]
+        fitted = gain_in(beside, np.column_stack([change, columns]), self._copies(beside))
+        shown = self._visible[beside.hypothesis]
+        return max(fitted, shown[name].pretended if name in shown else 0.0)
 
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
@@ -284,7 +304,10 @@ class Search:
         """Return what decides over additions to a fit."""
         if self.model.steady:
             return ByGain(
-                current, self.baseline, self.model.effects, lambda n: self._pretended(n, current)
+                current,
+                self.baseline,
+                self.model.effects,
+                lambda n, closer: self._pretended(n, current, closer),
             )
         found = (self._unexplained(self.baseline), self._unexplained(current))
         return ByEvidence(current, self.candidates, *found)
@@ -323,9 +346,7 @@ class Search:
     @property
     def _hides_a_pair(self) -> bool:
         """Return whether two effects may be at work though no single one earned its place."""
-        if self.accepted:
-            return False
-        return not self.model.steady or self.baseline.all_effective < WHITE * self.baseline.samples
+        return not self.accepted and not self.model.steady
 
     def _best_pair(self) -> tuple[str, str] | None:
         """Return two candidates that are decisive together though neither is alone.

@@ -11,7 +11,7 @@ from pneuservo.diagnosis.models.model import Array, Table, Values
 from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.screen import imitated_residuals, projected
 
-ENOUGH_GAIN = 64.0
+ENOUGH_GAIN = 100.0
 """A table has to lower the weighted sum of squares by as much as an effect has to ..."""
 OVER_IMITATIONS = 8.0
 """... and by so many times what it lowers that of recordings without anything unexplained."""
@@ -148,7 +148,7 @@ def find_unexplained(
     against imitations of the recordings like any named effect.
     """
     beside = _best(model, cases, chosen, seed)
-    if chosen.hypothesis == baseline.hypothesis:
+    if not chosen.hypothesis.effects:
         return beside
     named = _gain_between(baseline, chosen)
     instead = _best(model, cases, baseline, seed)

@@ -40,7 +40,7 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     """
     search = diagnosis.search
     worst = int(np.argmax([float(np.mean(r**2)) for r in search.baseline.residuals]))
-    shown = [("used", worst, search.cases[worst], search.baseline, search.chosen)]
+    shown = [("used", worst, search.cases[worst], search.baseline, diagnosis.repaired)]
     if diagnosis.before_held_back and diagnosis.after_held_back:
         pair = (diagnosis.before_held_back, diagnosis.after_held_back)
         channel = search.cases[worst].channel
@@ -81,7 +81,7 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
         label="measured",
     )
     labels = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
-    repaired = diagnosis.search.accepted
+    repaired = diagnosis.search.accepted or diagnosis.unexplained is not None
     for found, (label, colour) in zip(fits, labels, strict=True):
         if label == "repaired" and not repaired:
             continue

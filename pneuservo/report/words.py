@@ -47,7 +47,7 @@ def quantity(value: float | None, unit: str, step: float = 0.0) -> str:
         return "–"
     scale, name = _UNITS.get(unit, (1.0, unit.replace("**2", "²").replace("**3", "³")))
     digits = 3
-    if value and step:
+    if value and step and math.isfinite(step):
         digits = max(digits, _magnitude(value) - _magnitude(step) + 2)
     return f"{value * scale:.{digits}g} {name.replace('**', '^').replace('*', ' ')}".strip()
 

@@ -15,8 +15,8 @@ half of it to either side, and a little for the bend of a command that runs on."
 START = 0.02
 """At the start nothing is known of the spool and of the pressures' past for this long [s]."""
 MOTION_MEMORY = 1.5e-3
-"""Time over which an error of the smoothed velocity lasts: about a sample, for the displacement that
-it adds up to is known to some micrometres [s]."""
+"""Time over which an error of the smoothed velocity lasts: about a sample, for the displacement
+that it adds up to is known to some micrometres [s]."""
 
 
 def spread_of_pressures(
