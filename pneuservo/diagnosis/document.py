@@ -16,6 +16,7 @@ from pneuservo.diagnosis.sessions import between_sessions, session_of
 from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
+from pneuservo.rigs import load_rig
 
 SCHEMA = 1
 WORTH_CORRECTING = 0.1
@@ -80,24 +81,27 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
     Returns
     -------
     dict
-        A rig file: every fitted parameter and every effect with value and interval.
+        A rig file: every fitted parameter and every effect with value and interval, and what else
+        the rig has that the built-in one of its kind has not.
     """
     chosen, rig = diagnosis.repaired, diagnosis.rig
     head = {"kind": rig.kind, "title": f"{rig.title.removesuffix(_REPAIRED)}{_REPAIRED}"}
     if rig.valve:
         head["valve"] = rig.valve
-    parameters = {
-        key: {
-            "value": chosen.shared[key],
-            "unit": parameter.unit,
-            "low": chosen.intervals[key][0],
-            "high": chosen.intervals[key][1],
-            "nominal": _nominal(diagnosis, key),
-            "source": "fitted by the diagnosis",
-        }
-        for key, parameter in rig.parameters.items()
-        if key in chosen.shared
-    }
+    parameters: dict[str, dict[str, Any]] = {}
+    built_in = load_rig(rig.kind)
+    for key, parameter in rig.parameters.items():
+        if key in chosen.shared:
+            parameters[key] = {
+                "value": chosen.shared[key],
+                "unit": parameter.unit,
+                "low": chosen.intervals[key][0],
+                "high": chosen.intervals[key][1],
+                "nominal": _nominal(diagnosis, key),
+                "source": "fitted by the diagnosis",
+            }
+        elif parameter.value != built_in[key]:
+            parameters[key] = {"value": parameter.value, "unit": parameter.unit}
     effects: dict[str, Any] = {
         effect: {name: {"value": value} for name, value in values.items()}
         for effect, values in rig.effects.items()

@@ -86,8 +86,6 @@ class Unexplained:
         smooth = smoothed(self.knots, self.values, self.spread)
         rises = np.diff(smooth)
         size = float(np.ptp(smooth))
-        if size < 2.0 * float(np.median(self.spread)):
-            return "nearly constant"
         if np.all(rises > -0.05 * size):
             return "growing"
         if np.all(rises < 0.05 * size):
