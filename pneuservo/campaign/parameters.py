@@ -100,13 +100,7 @@ def varied_rig(rig: Rig, values: Mapping[str, float]) -> Rig:
     values : mapping of str to float
         By the names of `variable_parameters`; those of others are left alone.
     """
-    effects = {effect: dict(own) for effect, own in rig.effects.items()}
-    for name, value in values.items():
-        effect, colon, parameter = name.partition(":")
-        if colon:
-            effects.setdefault(effect, {})[parameter] = value
-    own = {name: value for name, value in values.items() if name in rig.parameters}
-    return replace(rig.with_values(own), effects=effects)
+    return rig.with_values({n: v for n, v in values.items() if n in rig.parameters or ":" in n})
 
 
 def varied_design(design: Design, values: Mapping[str, float]) -> Design:

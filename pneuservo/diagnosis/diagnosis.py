@@ -7,7 +7,8 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from pneuservo.diagnosis.fit import Fit, fit
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
@@ -84,7 +85,7 @@ class Diagnosis:
         may be coloured too, but it does not know where the piston is.
         """
         chosen, cases = self.search.chosen, self.search.cases
-        if self.model.tables(cases):
+        if self.model.tabulates:
             return self.unexplained is not None
         noise = self.search.noise_rms
         ratio = max(chosen.rms_of(channel) for channel in chosen.effective) / noise
@@ -198,11 +199,12 @@ def diagnose(
 
 def _unexplained(search: Search) -> Unexplained | None:
     """Return what has no name; where it explains far more than the names do, they are dropped."""
-    if "unnamed" in search.model.without or not search.model.tables(search.cases):
+    model, cases = search.model, search.cases
+    if "unnamed" in model.without or not model.tabulates:
         return None
     search.progress("looking for what has no name")
     found = find_unexplained(
-        search.model, search.cases, search.baseline, search.chosen, search.seed
+        model, cases, model.tables(cases), search.baseline, search.chosen, search.copies
     )
     if found is not None and found.instead:
         search.give_up()

@@ -1,28 +1,16 @@
-"""Output-error fits: the whole model is simulated and compared with what was measured."""
+"""What a hypothesis fitted to recordings is: its values, what they leave, and how sure they are."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
-from pneuservo.diagnosis.noise import effective_samples
-from pneuservo.diagnosis.problem import Problem, own_key, problem_with, problems_of
-from pneuservo.diagnosis.steady import SteadySensitivity
-from pneuservo.errors import FitError
+from pneuservo.diagnosis.problem import own_key
 
-_DIFFERENCE_STEP = 1e-6
-_MOST_EVALUATIONS = 60
-_ENOUGH = 1e-5
-"""Relative drop of the sum of squares below which a fit from kept sensitivities ends."""
-_FEW_EVALUATIONS = 15
-_MOST_PASSES = 8
-_SETTLED = 0.03
-"""Relative change of the weights below which they have settled."""
-_INTERVAL = 1.96
+INTERVAL = 1.96
 """Half width of a 95 % interval, in standard deviations."""
 
 
@@ -76,6 +64,10 @@ class Fit:
     """Name of each column of `sensitivity`."""
     units: Array = field(repr=False)
     """What one unit of each column is [SI]."""
+    bounds: tuple[Array, Array] = field(repr=False)
+    """Lowest and highest value of each column, in these units."""
+    vector: Array = field(repr=False)
+    """Solution, in these units."""
     owners: tuple[int, ...]
     """Case whose own values each case has."""
     tolerated: tuple[str, ...]
@@ -113,7 +105,7 @@ class Fit:
             slopes.append((quantity(*moved) - centre) / step)
         slope, size = np.array(slopes), len(keys)
         spread = max(0.0, float(slope @ self.covariance[:size, :size] @ slope))
-        half = _INTERVAL * float(np.sqrt(spread))
+        half = INTERVAL * float(np.sqrt(spread))
         return centre, centre - half, centre + half
 
     def sensitivities(self, member: str) -> Array:
@@ -132,9 +124,11 @@ class Fit:
         Parameters
         ----------
         step : (m,) array
-            In units of the fit, one number per column of `sensitivity`.
+            In units of the fit, one number per column of `sensitivity`; it ends at the bounds.
         """
-        by_key = dict(zip(self.keys, (step * self.units).tolist(), strict=True))
+        low, high = self.bounds
+        taken = np.clip(self.vector + step, low, high) - self.vector
+        by_key = dict(zip(self.keys, (taken * self.units).tolist(), strict=True))
         shared = {key: value + by_key.get(key, 0.0) for key, value in self.shared.items()}
         own = [
             {key: value + by_key.get(own_key(key, place), 0.0) for key, value in values.items()}
@@ -165,10 +159,36 @@ class Fit:
             ]
         )
 
+    @cached_property
+    def absorbed(self) -> Array:
+        """Return an orthonormal basis of what a refit absorbs, rows as those of `sensitivity`."""
+        return orthonormal(self.sensitivity)
+
+    def beyond_refit(self, columns: Array) -> Array:
+        """Return weighted residuals, or changes of them, without what a refit would absorb.
+
+        Parameters
+        ----------
+        columns : (n,) or (n, k) array
+            Weighted residuals, or changes of them.
+
+        Returns
+        -------
+        (n + t,) or (n + t, k) array
+            Rows of the tolerated values below those of the residuals.
+        """
+        whole = np.concatenate([columns, np.zeros((len(self.distance), *columns.shape[1:]))])
+        return np.asarray(whole - self.absorbed @ (self.absorbed.T @ whole))
+
     @property
     def all_effective(self) -> float:
         """Return what all samples together are worth."""
         return sum(self.effective.values())
+
+    def samples_of(self, channel: str) -> int:
+        """Return the number of samples of one channel."""
+        there = zip(self.residuals, self.channels, strict=True)
+        return sum(len(part) for part, c in there if c == channel)
 
     def rms_of(self, channel: str) -> float:
         """Return the root mean square of what one channel leaves [unit of its cases]."""
@@ -189,63 +209,35 @@ class Fit:
         return misfit + self.unknowns * float(np.log(sum(effective.values()))) + self.penalty
 
 
-def fit(
-    model: Model,
-    cases: Sequence[Case],
-    hypothesis: Hypothesis,
-    near: Fit | None = None,
-    fixed: Values | None = None,
-    reference: Case | None = None,
-) -> Fit:
-    """Fit a hypothesis to recordings by simulating them.
+def orthonormal(columns: Array) -> Array:
+    """Return an orthonormal basis of some columns; those that are nothing are left out.
 
     Parameters
     ----------
-    model : Model
-        The rig's model.
-    cases : sequence of Case
-        Prepared recordings of one rig.
-    hypothesis : Hypothesis
-        What may change.
-    near : Fit, optional
-        A fit of a similar hypothesis to start from.
-    fixed : mapping of str to float, optional
-        Values of all shared unknowns; only each recording's own are then fitted.
-    reference : Case, optional
-        The recording that `fixed` is stated for; the first one where it is not given.
+    columns : (n, k) array
+        In any scale.
+    """
+    sizes = np.linalg.norm(columns, axis=0)
+    kept = sizes > 0.0
+    basis: Array = np.linalg.qr(columns[:, kept] / sizes[kept])[0]
+    return basis
 
-    Returns
-    -------
-    Fit
-        The best fit found.
 
-    Raises
-    ------
-    FitError
-        When no start leads to a finite fit.
+def explained(before: Fit, after: Fit) -> float:
+    """Return by how much all that is minimised falls from one fit to a closer one.
+
+    Parameters
+    ----------
+    before, after : Fit
+        Of the same recordings.
 
     Notes
     -----
-    Weighted least squares. A residual counts as ``effective`` independent samples of its own
-    root mean square, so that a misfit of the model cannot overrule what is known of a parameter
-    by sheer number of samples.
+    In the weights of the closer one: a misfit that it removes no longer counts as noise. What a
+    parameter has to leave its tolerance for explains that much less.
     """
-    if fixed is None:
-        best = _best_start(
-            problems_of(model, cases, hypothesis, (near.shared, near.own) if near else None)
-        )
-    else:
-        best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
-        if not best.unknowns:
-            return _summary(hypothesis, best, np.empty(0), fixed)
-    vector = np.asarray(best.begin) / best.units
-    # The weights, and with them the intervals, follow from the misfit that is left.
-    for _ in range(_MOST_PASSES if model.steady else 2):
-        before, best.scale = best.scale, _scales(best, vector)
-        if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in best.scale.items()):
-            break
-        vector = _solve(best, vector, hypothesis, near)
-    return _summary(hypothesis, best, vector, fixed)
+    first, second = (after.weigh(found.residuals) for found in (before, after))
+    return float(np.sum(first**2) - np.sum(second**2)) + before.penalty - after.penalty
 
 
 def rms(residuals: Sequence[Array]) -> float:
@@ -257,99 +249,3 @@ def rms(residuals: Sequence[Array]) -> float:
         In one unit.
     """
     return float(np.sqrt(np.mean(np.concatenate(residuals) ** 2)))
-
-
-def _scales(problem: Problem, vector: Array) -> dict[str, float]:
-    """Return what one residual of each channel counts as one standard deviation."""
-    residuals, scales = problem.residuals(vector), {}
-    for channel in dict.fromkeys(problem.channels):
-        parts = [r for r, c in zip(residuals, problem.channels, strict=True) if c == channel]
-        size, worth = sum(len(r) for r in parts), sum(effective_samples(r) for r in parts)
-        scales[channel] = max(rms(parts), problem.resolution(channel)) * float(
-            np.sqrt(size / worth)
-        )
-    return scales
-
-
-def _best_start(problems: list[Problem]) -> Problem:
-    """Return the problem whose start leaves the least."""
-
-    def cost(problem: Problem) -> float:
-        begin = np.asarray(problem.begin) / problem.units
-        return float(np.sum(np.concatenate(problem.residuals(begin)) ** 2))
-
-    with np.errstate(all="ignore"):
-        costs = [cost(problem) for problem in problems]
-    order = np.argsort(np.nan_to_num(costs, nan=np.inf))
-    return problems[int(order[0])]
-
-
-def _solve(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit | None) -> Array:
-    from scipy.optimize import least_squares
-
-    low, high = problem.bounds
-    begin = np.clip(vector, low, high)
-    how: dict[str, Any] = {"diff_step": _DIFFERENCE_STEP, "max_nfev": _MOST_EVALUATIONS}
-    if problem.model.steady:
-        how = {
-            "jac": SteadySensitivity(problem, near),
-            "ftol": _ENOUGH,
-            "max_nfev": _FEW_EVALUATIONS,
-        }
-    with np.errstate(all="ignore"):
-        found: Any = least_squares(
-            problem.cost_vector, begin, bounds=(low, high), x_scale="jac", **how
-        )
-    if not np.isfinite(found.cost) or found.cost > 1e17:
-        tried = ", ".join(hypothesis.members) or "the baseline"
-        raise FitError(
-            f"the fit of {tried} did not reach finite values from any of its starts; "
-            "check units and signs of the recording's channels"
-        )
-    solution: Array = found.x
-    problem.jacobian = found.jac
-    return solution
-
-
-def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Values | None) -> Fit:
-    residuals = problem.residuals(vector)
-    everything = np.concatenate(residuals)
-    effective: dict[str, float] = {}
-    for channel, part in zip(problem.channels, residuals, strict=True):
-        effective[channel] = effective.get(channel, 0.0) + effective_samples(part)
-    finest = {channel: problem.resolution(channel) for channel in effective}
-    jacobian = problem.jacobian
-    if jacobian is None:
-        jacobian = np.zeros((len(everything) + len(problem.tolerated), len(vector)))
-    spread = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(problem.units, problem.units)
-    covariance = np.asarray(spread, dtype=np.float64)
-    half = _INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
-    bounds = [
-        (float(max(x - h, u.low)), float(min(x + h, u.high)))
-        for x, h, u in zip(vector * problem.units, half, problem.shared, strict=False)
-    ]
-    values = problem.values(vector)
-    intervals = {u.key: ends for u, ends in zip(problem.shared, bounds, strict=True)}
-    shared = {u.key: values[0][u.key] for u in problem.shared} if fixed is None else dict(fixed)
-    return Fit(
-        hypothesis,
-        shared,
-        intervals,
-        tuple(problem.own_values(vector)),
-        problem.channels,
-        tuple(residuals),
-        max(rms(residuals), *finest.values()),
-        len(everything),
-        effective,
-        finest,
-        len(problem.unknowns),
-        float(np.sum(problem.distance(vector) ** 2)),
-        problem.scale or dict.fromkeys(effective, 1.0),
-        tuple(problem.keys),
-        problem.units,
-        problem.owners,
-        tuple(problem.unknowns[i].key for i in problem.tolerated),
-        problem.distance(vector),
-        jacobian,
-        covariance,
-    )

@@ -1,7 +1,7 @@
 """The least-squares problem behind a fit: unknowns, starts, bounds and residuals."""
 
 import itertools
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,6 +10,9 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import resolution
+
+_LEAST_SHARE = 1e-3
+"""Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
 
 
 @dataclass
@@ -98,18 +101,28 @@ class Problem:
         numbers = (vector * self.units).tolist()
         common = dict(self.held)
         common |= {u.key: number for u, number in zip(self.shared, numbers, strict=False)}
-        reference = self.reference or self.cases[0]
-        return [
-            values_in(case, reference, common, own)
-            for case, own in zip(self.cases, self.own_values(vector), strict=True)
-        ]
+        return values_in_each(
+            self.cases, self.reference or self.cases[0], common, self.own_values(vector)
+        )
 
     def residuals(self, vector: Array) -> list[Array]:
         """Return measured minus modelled for each case, usable samples only."""
-        return [
-            (case.measured - self.model.predict(case, values))[case.usable]
-            for case, values in zip(self.cases, self.values(vector), strict=True)
-        ]
+        return residuals_of(self.model, self.cases, self.values(vector))
+
+    def row_scale(self) -> Array:
+        """Return what each residual counts as one [unit of its case]."""
+        return np.concatenate(
+            [
+                np.full(int(np.count_nonzero(case.usable)), self.scale.get(case.channel, 1.0))
+                for case in self.cases
+            ]
+        )
+
+    def solved(self) -> "Solved":
+        """Return the sensitivities at the solution, for a fit that begins near it."""
+        if self.jacobian is None:
+            raise ValueError("the problem has not been solved")
+        return Solved(self.keys, self.jacobian, self.row_scale())
 
     def distance(self, vector: Array) -> Array:
         """Return how far tolerated values are from nominal, in tolerances."""
@@ -119,14 +132,32 @@ class Problem:
 
     def cost_vector(self, vector: Array) -> Array:
         """Return everything the optimiser squares and sums."""
-        residual = np.concatenate(
-            [
-                part / self.scale.get(channel, 1.0)
-                for part, channel in zip(self.residuals(vector), self.channels, strict=True)
-            ]
-        )
+        residual = np.concatenate(self.residuals(vector)) / self.row_scale()
         bounded = np.nan_to_num(residual, nan=1e9, posinf=1e9, neginf=-1e9)
         return np.concatenate([bounded, self.distance(vector)])
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Sensitivities of a solved problem.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        Name of each column.
+    sensitivity : (n + t, m) array
+        Of all weighted residuals and then of the distances of tolerated values.
+    rows : (n,) array
+        What each residual counted as one.
+    """
+
+    keys: Sequence[str]
+    sensitivity: Array
+    rows: Array
+
+    def row_scale(self) -> Array:
+        """Return what each residual counted as one."""
+        return self.rows
 
 
 def column_names(shared: Sequence[str], own: Sequence[Sequence[str]]) -> list[str]:
@@ -186,20 +217,44 @@ def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str,
     return {**case.rig.effect_values, **here, **own}
 
 
-def problems_of(
-    model: Model,
-    cases: Sequence[Case],
-    hypothesis: Hypothesis,
-    near: tuple[Values, Sequence[Values]] | None = None,
-) -> list[Problem]:
+def values_in_each(
+    cases: Sequence[Case], first: Case, shared: Values, own: Sequence[Values]
+) -> list[dict[str, float]]:
+    """Return the values that a model takes for each of several recordings.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        The recordings.
+    first, shared, own
+        As for `values_in`, the last one per recording.
+    """
+    return [values_in(case, first, shared, mine) for case, mine in zip(cases, own, strict=True)]
+
+
+def residuals_of(model: Model, cases: Sequence[Case], values: Sequence[Values]) -> list[Array]:
+    """Return measured minus modelled, usable samples only [unit of the cases].
+
+    Parameters
+    ----------
+    model, cases
+        What is simulated, and what it is compared with.
+    values : sequence of mapping
+        From `values_in_each`.
+    """
+    return [
+        (case.measured - model.predict(case, mine))[case.usable]
+        for case, mine in zip(cases, values, strict=True)
+    ]
+
+
+def problems_of(model: Model, cases: Sequence[Case], hypothesis: Hypothesis) -> list[Problem]:
     """Return the problem of fitting a hypothesis, once per start worth trying.
 
     Parameters
     ----------
     model, cases, hypothesis
         What is fitted to what.
-    near : (shared, own), optional
-        Fitted values of a similar hypothesis, to start from as well.
 
     Returns
     -------
@@ -208,19 +263,10 @@ def problems_of(
     """
     own = _own_unknowns(model, cases, hypothesis)
     baseline = _baseline_unknowns(model, cases[0], hypothesis)
-    problems = [
+    return [
         Problem(model, cases, [*baseline, *effects], own)
         for effects in _effect_unknowns(model, hypothesis)
     ]
-    if near is None:
-        return problems
-    moved = [_moved(problem, *near) for problem in problems]
-    if not model.steady:
-        return [*problems, *moved]
-    # A fit that keeps its sensitivities has to begin near enough: also with a small effect.
-    sizes = {effect.key(effect.parameters[0].name) for effect in model.effects}
-    small = [_with_small(problem, sizes - near[0].keys()) for problem in moved]
-    return [*problems, *moved, *small]
 
 
 def problem_with(
@@ -260,7 +306,7 @@ def _baseline_unknowns(model: Model, case: Case, hypothesis: Hypothesis) -> list
         known = parameter.tolerance and not parameter.free and key not in hypothesis.loosened
         start = guess.get(key, parameter.value) if parameter.free else parameter.value
         # Signs are part of what is known; only zero-centred values may change theirs.
-        low = 0.0 if parameter.value > 0.0 and start > 0.0 else -np.inf
+        low = _LEAST_SHARE * start if parameter.value > 0.0 and start > 0.0 else -np.inf
         sigma = parameter.tolerance if known else None
         found.append(Unknown(key, start, low, np.inf, sigma, parameter.unit))
     return found
@@ -279,17 +325,16 @@ def _effect_unknowns(model: Model, hypothesis: Hypothesis) -> list[list[Unknown]
     ]
 
 
-def _with_small(problem: Problem, sizes: Collection[str]) -> Problem:
-    """Return the problem begun with a tenth of each of some effects."""
-    begin = np.asarray(problem.begin).copy()
-    for i, unknown in enumerate(problem.unknowns):
-        if unknown.key in sizes:
-            begin[i] = max(0.1 * begin[i], unknown.low) if unknown.low > 0.0 else 0.1 * begin[i]
-    return replace(problem, begin=begin)
+def begun_at(problem: Problem, shared: Values, own: Sequence[Values]) -> Problem:
+    """Return the problem begun at other values, as far as they have the same unknowns.
 
-
-def _moved(problem: Problem, shared: Values, own: Sequence[Values]) -> Problem:
-    """Return the problem begun at other values, as far as they have the same unknowns."""
+    Parameters
+    ----------
+    problem : Problem
+        With several cases' own unknowns.
+    shared, own
+        Values of a fit.
+    """
     begin = [
         values.get(unknown.key, unknown.start)
         for values, block in zip([shared, *own], [problem.shared, *problem.own], strict=True)

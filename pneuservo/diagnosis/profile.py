@@ -9,7 +9,6 @@ from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, problems_of
-from pneuservo.diagnosis.steady import SteadySensitivity
 
 RISE = 3.841
 """Rise of the weighted sum of squares at the ends of a 95 % interval (chi-square, one value)."""
@@ -51,7 +50,7 @@ def with_profiles(model: Model, cases: Sequence[Case], found: Fit, keys: Sequenc
     blocks = [problem.shared, *problem.own]
     solution = np.array([v[u.key] for v, block in zip(values, blocks, strict=True) for u in block])
     vector = solution / problem.units
-    profile = _Profile(problem, vector, SteadySensitivity(problem, None)(vector))
+    profile = _Profile(problem, vector, found.sensitivity * (problem.units / found.units))
     place = {unknown.key: i for i, unknown in enumerate(problem.shared)}
     intervals = dict(found.intervals)
     for key in keys:

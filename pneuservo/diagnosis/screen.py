@@ -6,14 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fit import Fit, orthonormal
+from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.problem import values_in
+from pneuservo.diagnosis.problem import residuals_of, values_in, values_in_each
 from pneuservo.effects import Effect
 
 WORTH_FITTING = 6
-"""So many candidates are fitted at each step; where there are no more, all of them."""
+"""So many effects are fitted at each step; where there are no more, all of them."""
+PARAMETERS_WORTH_FITTING = 2
+"""So many parameters are loosened at each step, each for the price of a few simulations."""
+LEAST_PROMISE = LEAST_GAIN / 3.0
+"""Gain that an effect's signature has to promise: in 150 fits of development cases no effect gained
+more than 2.8 times what it had promised."""
+SMOOTH = 0.1
+"""A misfit worth fewer than this share of its samples is looked into without any promise."""
 IMITATIONS = 3
 """Recordings without effect that are made to see what the method itself pretends."""
 _STEP = 1e-3
@@ -62,7 +70,7 @@ def promising(
     Returns
     -------
     list of str
-        At most `WORTH_FITTING`, and those to keep.
+        At most `WORTH_FITTING`, and those to keep; none that promises too little to earn its place.
 
     Notes
     -----
@@ -73,22 +81,34 @@ def promising(
     """
     as_fitted = _scores(base, base.row_scale(), signatures, names)
     as_noise = _scores(base, np.ones(base.samples), signatures, names)
-    best = set(_best(as_fitted, WORTH_FITTING // 2)) | set(keep)
-    for name in _best(as_noise, len(names)):
+    worth = sorted(
+        (n for n in names if max(as_fitted[n], as_noise[n]) > _least_promise(n, base)),
+        key=as_fitted.__getitem__,
+        reverse=True,
+    )
+    parameters = [name for name in worth if name.startswith("param.")]
+    effects = [name for name in worth if not name.startswith("param.")]
+    best = {*effects[: WORTH_FITTING // 2], *keep}
+    for name in sorted(effects, key=as_noise.__getitem__, reverse=True):
         if len(best) >= WORTH_FITTING + len(keep):
             break
         best.add(name)
+    best.update(parameters[:PARAMETERS_WORTH_FITTING])
     return [name for name in names if name in best]
 
 
-def _best(score: Mapping[str, float], count: int) -> list[str]:
-    return sorted(score, key=lambda name: -score[name])[:count]
+def _least_promise(name: str, base: Fit) -> float:
+    for channel, worth in base.effective.items():
+        # So few independent samples promise nothing, whatever they hide.
+        if worth < SMOOTH * base.samples_of(channel):
+            return 0.0
+    return LEAST_DISTANCE / 2.0 if name.startswith("param.") else LEAST_PROMISE
 
 
 def _scores(
     base: Fit, scale: Array, signatures: Signatures, names: Sequence[str]
 ) -> dict[str, float]:
-    basis = _orthonormal(_rescaled(base, scale))
+    basis = orthonormal(_rescaled(base, scale))
     left = np.concatenate([np.concatenate(base.residuals) / scale, base.distance])
     left = left - basis @ (basis.T @ left)
     score = {}
@@ -151,8 +171,8 @@ def visibilities(
     large, in every recording that the baseline makes on the same path, so that a few tell its
     size.
     """
-    basis, scale = _orthonormal(base.sensitivity), base.row_scale()
-    imitations = [projected(base, left[:, np.newaxis])[:, 0] for left in imitations]
+    basis, scale = base.absorbed, base.row_scale()
+    imitations = [base.beyond_refit(left) for left in imitations]
     found = {}
     for name, variants in signatures.items():
         first = _weighted(base, scale, variants[0][:, :1])[:, 0]
@@ -177,8 +197,8 @@ def gain_in(base: Fit, columns: Array, imitations: Sequence[Array]) -> float:
     imitations : sequence of (n,) array
         From `imitated_residuals`.
     """
-    span = _orthonormal(projected(base, columns))
-    left = [projected(base, copy[:, np.newaxis])[:, 0] for copy in imitations]
+    span = orthonormal(base.beyond_refit(columns))
+    left = [base.beyond_refit(copy) for copy in imitations]
     return max((float(np.sum((span.T @ copy) ** 2)) for copy in left), default=0.0)
 
 
@@ -199,39 +219,13 @@ def imitated_residuals(
     list of (n,) array
         Weighted residuals.
     """
-    values = [
-        values_in(case, cases[0], base.shared, own)
-        for case, own in zip(cases, base.own, strict=True)
-    ]
+    values = values_in_each(cases, cases[0], base.shared, base.own)
     found = []
     for draw in range(IMITATIONS):
         copies = model.imitate(cases, values, np.random.default_rng((seed, draw)))
-        parts = [
-            np.nan_to_num((copy.measured - model.predict(copy, mine))[copy.usable])
-            for copy, mine in zip(copies, values, strict=True)
-        ]
-        found.append(base.weigh(parts))
+        left = residuals_of(model, copies, values)
+        found.append(base.weigh([np.nan_to_num(part) for part in left]))
     return found
-
-
-def projected(base: Fit, columns: Array) -> Array:
-    """Return weighted residuals without what a refit of a fit would absorb of them.
-
-    Parameters
-    ----------
-    base : Fit
-        The fit.
-    columns : (n, k) array
-        Weighted residuals, or changes of them.
-
-    Returns
-    -------
-    (n + t, k) array
-        Rows of the tolerated values below those of the residuals.
-    """
-    basis = _orthonormal(base.sensitivity)
-    whole = np.vstack([columns, np.zeros((len(base.distance), columns.shape[1]))])
-    return np.asarray(whole - basis @ (basis.T @ whole))
 
 
 def _signatures(model: Model, cases: Sequence[Case], base: Fit, effect: Effect) -> list[Array]:
@@ -274,7 +268,7 @@ def _spans(base: Fit, scale: Array, variants: Sequence[Array], basis: Array) -> 
         whole = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
         kept = np.linalg.norm(rest, axis=0) > 1e-6 * whole
         if kept.any():
-            spans.append(_orthonormal(rest[:, kept]))
+            spans.append(orthonormal(rest[:, kept]))
     return spans
 
 
@@ -291,10 +285,3 @@ def _loosened_score(base: Fit, name: str, basis: Array, left: Array) -> float:
     row = base.samples + base.tolerated.index(key)
     leverage = float(np.sum(basis[row] ** 2))
     return float(left[row] ** 2) / max(1.0 - leverage, 1e-9)
-
-
-def _orthonormal(columns: Array) -> Array:
-    sizes = np.linalg.norm(columns, axis=0)
-    kept = sizes > 0.0
-    basis: Array = np.linalg.qr(columns[:, kept] / sizes[kept])[0]
-    return basis

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from pneuservo.diagnosis.controls import chance_gain
-from pneuservo.diagnosis.fit import Fit, fit
+from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fitting import fit, polished
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
     DECISIVE,
@@ -113,10 +114,10 @@ class Search:
         self.progress("working out what each effect would change")
         return signatures_of(self.model, self.cases, self.baseline)
 
-    @cached_property
+    @property
     def visibility(self) -> dict[str, Visibility]:
         """Return how each effect would show, for a model whose sensitivities are steady."""
-        return visibilities(self.baseline, self.signatures, self._copies(self.baseline))
+        return self._visible_beside(self.baseline)
 
     def _worth_fitting(
         self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
@@ -205,6 +206,8 @@ class Search:
         keys = [key for key in chosen.shared if key.partition(":")[0] in self.accepted]
         if keys:
             self.progress("looking how far the sizes found can go")
+            if self.model.steady:
+                chosen = polished(self.model, self.cases, chosen)
             self.fits[chosen.hypothesis] = with_profiles(self.model, self.cases, chosen, keys)
 
     def give_up(self) -> None:
@@ -252,17 +255,26 @@ class Search:
         """Return how much more a member explains than the best candidate would of noise."""
         rest, others = self._in_place_of(member)
         chosen = self.chosen
-        before, after = (chosen.weigh(found.residuals) for found in (rest, chosen))
-        gain = float(np.sum(before**2) - np.sum(after**2))
         directions = [found.sensitivities(name) for name, found in others.items()]
         noise = [
             r / chosen.scale[c] for r, c in zip(chosen.residuals, chosen.channels, strict=True)
         ]
         chance = chance_gain(rest.jacobian, directions, noise, self.seed)
-        return gain / chance if chance > 0.0 else float("inf")
+        return explained(rest, chosen) / chance if chance > 0.0 else float("inf")
 
-    def _copies(self, fitted: Fit) -> list[Array]:
-        """Return what a fit leaves of recordings that its own rig has made."""
+    def copies(self, fitted: Fit) -> list[Array]:
+        """Return what a fit leaves of recordings that its own rig has made.
+
+        Parameters
+        ----------
+        fitted : Fit
+            Of some hypothesis.
+
+        Returns
+        -------
+        list of (n,) array
+            Weighted residuals of each copy.
+        """
         if fitted.hypothesis not in self._imitated:
             self.progress("imitating the recordings with what has been found")
             self._imitated[fitted.hypothesis] = imitated_residuals(
@@ -277,28 +289,42 @@ class Search:
         """
         if "imitations" in self.model.without:
             return 0.0
-        if beside.hypothesis not in self._visible:
-            self._visible[beside.hypothesis] = visibilities(
-                beside, self.signatures, self._copies(beside)
-            )
         change = beside.weigh(beside.residuals) - beside.weigh(closer.residuals)
         scale = closer.row_scale() / beside.row_scale()
         columns = closer.sensitivities(name) * scale[:, np.newaxis]
-        fitted = gain_in(beside, np.column_stack([change, columns]), self._copies(beside))
-        shown = self._visible[beside.hypothesis]
+        fitted = gain_in(beside, np.column_stack([change, columns]), self.copies(beside))
+        shown = self._visible_beside(beside)
         return max(fitted, shown[name].pretended if name in shown else 0.0)
+
+    def _visible_beside(self, beside: Fit) -> dict[str, Visibility]:
+        if beside.hypothesis not in self._visible:
+            self._visible[beside.hypothesis] = visibilities(
+                beside, self.signatures, self.copies(beside)
+            )
+        return self._visible[beside.hypothesis]
 
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
         for member in list(self.accepted[:-1]):
             found = self.rivals(member)
             own = next(rival for rival in found if rival.candidate == member)
-            best = found[0]
-            if best.evidence > own.evidence - TIED:
+            better = [rival for rival in found if rival.evidence < own.evidence - TIED]
+            best = next((rival for rival in better if self._may_replace(member, rival)), None)
+            if best is None:
                 continue
             place = self.accepted.index(member)
             self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
             self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+
+    def _may_replace(self, member: str, rival: Rival) -> bool:
+        """Return whether a rival earns its place where a member would leave it."""
+        if not self.model.steady or not rival.candidate:
+            return True
+        rest = self.fitted(self._with([m for m in self.accepted if m != member]))
+        absent = next(r.evidence for r in self.rivals(member) if not r.candidate)
+        drop = absent - rival.evidence
+        closer = self.fitted(rest.hypothesis.adding(rival.candidate), rest)
+        return self._judge(rest).earns(rival.candidate, closer, drop)
 
     def _judge(self, current: Fit) -> Judge:
         """Return what decides over additions to a fit."""

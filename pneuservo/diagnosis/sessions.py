@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, fit, rms
+from pneuservo.diagnosis.fit import Fit, rms
+from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array

@@ -52,13 +52,7 @@ class SteadySensitivity:
         # Without a fit to start from the first call fills everything.
         self._once, self._each = (missing, []) if known is None else ([], missing)
         if known is not None:
-            new_scale = np.concatenate(
-                [
-                    np.full(int(np.count_nonzero(case.usable)), problem.scale[case.channel])
-                    for case in problem.cases
-                ]
-            )
-            factor = known.row_scale() / new_scale
+            factor = known.row_scale() / problem.row_scale()
             for column, key in enumerate(problem.keys):
                 if key in place:
                     old = known.sensitivity[:rows, place[key]]

@@ -1,20 +1,16 @@
 """What nothing in the catalogue explains: its shape, as a table over one recorded quantity."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, rms
+from pneuservo.diagnosis.fit import Fit, explained, rms
+from pneuservo.diagnosis.judge import LEAST_GAIN, OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array, Table, Values
-from pneuservo.diagnosis.problem import values_in
-from pneuservo.diagnosis.screen import imitated_residuals, projected
+from pneuservo.diagnosis.models.model import Array, Table
+from pneuservo.diagnosis.problem import residuals_of, values_in_each
 
-ENOUGH_GAIN = 100.0
-"""A table has to lower the weighted sum of squares by as much as an effect has to ..."""
-OVER_IMITATIONS = 8.0
-"""... and by so many times what it lowers that of recordings without anything unexplained."""
 INSTEAD = 1.3
 """A table that explains so many times what the named effects do, in their place, leaves nothing of
 the names."""
@@ -121,7 +117,12 @@ def smoothed(knots: Array, values: Array, spread: Array) -> Array:
 
 
 def find_unexplained(
-    model: Model, cases: Sequence[Case], baseline: Fit, chosen: Fit, seed: int
+    model: Model,
+    cases: Sequence[Case],
+    tables: Sequence[Table],
+    baseline: Fit,
+    chosen: Fit,
+    copies: Callable[[Fit], Sequence[Array]],
 ) -> Unexplained | None:
     """Return the table that explains what a model leaves, where it earns its place.
 
@@ -129,95 +130,82 @@ def find_unexplained(
     ----------
     model, cases
         What was fitted to what.
+    tables : sequence of Table
+        What may be tabulated over what.
     baseline, chosen : Fit
         The re-fitted baseline, and the model with everything that was named.
-    seed : int
-        Seed of the noise of the imitations.
+    copies : callable
+        Takes a fit and returns what it leaves of recordings that its own rig has made, weighted.
 
     Returns
     -------
     Unexplained or None
-        None when what is left could be noise, or the model has no tables.
+        None when what is left could be noise.
 
     Notes
     -----
     Every table is simulated knot by knot, what the fitted parameters absorb is taken out, and the
     knots are fitted together: a projected score test with one degree of freedom per knot, held
-    against imitations of the recordings like any named effect.
+    against imitations of the recordings like any named effect. Only where something is left beside
+    the names a table may do better in their place.
     """
-    beside = _best(model, cases, chosen, seed)
-    if not chosen.hypothesis.effects:
+    beside = _best(model, cases, tables, chosen, copies(chosen))
+    if beside is None or not chosen.hypothesis.effects:
         return beside
-    named = _gain_between(baseline, chosen)
-    instead = _best(model, cases, baseline, seed)
+    named = explained(baseline, chosen)
+    if beside.gain < WORTH_SAYING * (beside.gain + named):
+        return None
+    instead = _best(model, cases, tables, baseline, copies(baseline))
     if instead is not None and instead.gain > INSTEAD * named:
         return replace(instead, instead=True)
-    if beside is None or beside.gain < WORTH_SAYING * (beside.gain + named):
-        return None
     return replace(beside, named_gain=named)
 
 
-def _gain_between(before: Fit, after: Fit) -> float:
-    first, second = (after.weigh(found.residuals) for found in (before, after))
-    return float(np.sum(first**2) - np.sum(second**2))
-
-
-def _best(model: Model, cases: Sequence[Case], base: Fit, seed: int) -> Unexplained | None:
-    left = projected(base, base.weigh(base.residuals)[:, np.newaxis])[:, 0]
-    imitations = [
-        projected(base, copy[:, np.newaxis])[:, 0]
-        for copy in imitated_residuals(model, cases, base, seed)
-    ]
-    best: tuple[float, Table, Array] | None = None
-    for table in model.tables(cases):
-        raw = np.column_stack([_change(model, cases, base, table, k) for k in table.knots])
-        columns = projected(base, raw / base.row_scale()[:, np.newaxis])
+def _best(
+    model: Model,
+    cases: Sequence[Case],
+    tables: Sequence[Table],
+    base: Fit,
+    copies: Sequence[Array],
+) -> Unexplained | None:
+    left = base.beyond_refit(base.weighted)
+    imitations = [base.beyond_refit(copy) for copy in copies]
+    best: tuple[float, Table, Array, Array] | None = None
+    for table in tables:
+        columns = base.beyond_refit(
+            np.column_stack([_change(model, cases, base, table, k) for k in table.knots])
+        )
         seen = np.linalg.norm(columns, axis=0) > 1e-6
         if not seen.any():
             continue
         span = np.linalg.qr(columns[:, seen])[0]
         gain = float(np.sum((span.T @ left) ** 2))
         pretended = max((float(np.sum((span.T @ copy) ** 2)) for copy in imitations), default=0.0)
-        enough = gain > max(ENOUGH_GAIN, OVER_IMITATIONS * pretended)
-        heights = table.step * np.linalg.lstsq(columns, left, rcond=1e-6)[0]
-        enough = enough and float(np.std(heights)) > table.least
-        if enough and (best is None or gain > best[0]):
-            best = gain, table, columns
-    if best is None:
-        return None
-    return _fitted(model, cases, base, left, *best)
+        if gain <= max(LEAST_GAIN, OVER_IMITATIONS * pretended, best[0] if best else 0.0):
+            continue
+        steps = np.asarray(np.linalg.lstsq(columns, left, rcond=1e-6)[0], dtype=np.float64)
+        if float(np.std(table.step * steps)) > table.least:
+            best = gain, table, columns, steps
+    return None if best is None else _fitted(model, cases, base, *best)
 
 
 def _change(model: Model, cases: Sequence[Case], base: Fit, table: Table, knot: str) -> Array:
-    """Return what a step of one knot changes in the residuals [unit of the cases]."""
+    """Return what a step of one knot changes in the weighted residuals."""
     there = {**base.shared, **table.values, knot: table.step}
-    before, after = (
-        np.concatenate(_parts(model, cases, shared, base.own)) for shared in (base.shared, there)
-    )
-    change: Array = before - after
-    return change
-
-
-def _parts(
-    model: Model, cases: Sequence[Case], shared: Values, own: Sequence[Values]
-) -> list[Array]:
-    return [
-        (case.measured - model.predict(case, values_in(case, cases[0], shared, mine)))[case.usable]
-        for case, mine in zip(cases, own, strict=True)
-    ]
+    values = values_in_each(cases, cases[0], there, base.own)
+    return base.weighted - base.weigh(residuals_of(model, cases, values))
 
 
 def _fitted(
     model: Model,
     cases: Sequence[Case],
     base: Fit,
-    left: Array,
     gain: float,
     table: Table,
     columns: Array,
+    steps: Array,
 ) -> Unexplained:
     """Return the table with its knots fitted together with what the parameters do about it."""
-    steps = np.linalg.lstsq(columns, left, rcond=1e-6)[0]
     # Of the shape alone: what all knots have in common the parameters may take up.
     shape = np.eye(len(steps)) - 1.0 / len(steps)
     covariance = shape @ np.linalg.pinv(columns.T @ columns) @ shape
@@ -225,12 +213,12 @@ def _fitted(
     heights = dict(zip(table.knots, (steps * table.step).tolist(), strict=True))
     shared = {**base.shared, **table.values, **heights}
     own = list(base.own)
-    residuals = _parts(model, cases, shared, own)
+    residuals = residuals_of(model, cases, values_in_each(cases, cases[0], shared, own))
     # What the parameters had made up for they no longer have to.
     undone = np.concatenate([base.weigh(residuals), base.distance])
     parameters, more = base.moved(np.linalg.lstsq(base.sensitivity, -undone, rcond=None)[0])
     moved = {**shared, **parameters}
-    closer = _parts(model, cases, moved, more)
+    closer = residuals_of(model, cases, values_in_each(cases, cases[0], moved, more))
     if np.sum(base.weigh(closer) ** 2) < np.sum(base.weigh(residuals) ** 2):
         shared, own, residuals = moved, more, closer
     found = replace(

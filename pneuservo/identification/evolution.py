@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pneuservo.errors import InputError
 from pneuservo.identification.least_squares import PARAMETERS, rig_of
 from pneuservo.identification.result import Estimate, Identification
-from pneuservo.identification.segments import Segments, cut, run_segment, start_of, with_unknowns
+from pneuservo.identification.segments import Segments, cut, run_segment, start_of
 from pneuservo.identification.whiteness import whiteness
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -138,7 +138,7 @@ class _Cost:
     def modelled(self, values: Mapping[str, float]) -> Array:
         pieces = []
         for part in self.parts:
-            rig = with_unknowns(part.rig, values)
+            rig = part.rig.with_values(values)
             for k in range(len(part)):
                 run = run_segment(part, k, rig, part.states[k])
                 pieces.append(run[:, 0] if k + 1 == len(part) else run[:-1, 0])

@@ -1,7 +1,7 @@
 """A recording cut into segments, each simulated from a state of its own."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,25 +132,6 @@ def cut(
         _spool(rig, samples["valve_voltage"], interval)[bounds[:-1]],
         _first_states(rig, measured, interval)[bounds[:-1]],
     )
-
-
-def with_unknowns(rig: Rig, values: Mapping[str, float]) -> Rig:
-    """Return a rig with values put in by parameter or by ``effect:parameter``.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig.
-    values : mapping of str to float
-        [SI].
-    """
-    own = {name: value for name, value in values.items() if ":" not in name}
-    effects = {name: dict(entry) for name, entry in rig.effects.items()}
-    for name, value in values.items():
-        if ":" in name:
-            effect, _, parameter = name.partition(":")
-            effects.setdefault(effect, {})[parameter] = value
-    return replace(rig.with_values(own), effects=effects)
 
 
 def start_of(rig: Rig, names: Sequence[str]) -> tuple[dict[str, float], dict[str, str]]:

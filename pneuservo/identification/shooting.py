@@ -17,7 +17,6 @@ from pneuservo.identification.segments import (
     cut,
     run_segment,
     start_of,
-    with_unknowns,
 )
 from pneuservo.identification.whiteness import whiteness
 from pneuservo.recordings import Recording
@@ -205,7 +204,7 @@ class _Problem:
         """Return all rows in units of noise."""
         values, rigs = self.values(vector), {}
         for part in self.parts:
-            rigs[id(part)] = with_unknowns(part.rig, values)
+            rigs[id(part)] = part.rig.with_values(values)
         return np.concatenate(
             [self._rows_of(place, vector, rigs[id(place.part)]) for place in self.places]
         )
@@ -220,7 +219,7 @@ class _Problem:
             jacobian[:, column] = (self.cost(moved) - here) / (moved[column] - vector[column])
         values = self.values(vector)
         for place in self.places:
-            rig = with_unknowns(place.part.rig, values)
+            rig = place.part.rig.with_values(values)
             rows = slice(place.rows.start, (place.meeting or place.rows).stop)
             for column in range(place.states.start, place.states.stop):
                 moved = vector.copy()

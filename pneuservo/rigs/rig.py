@@ -111,12 +111,13 @@ class Rig:
         }
 
     def with_values(self, values: Mapping[str, float]) -> "Rig":
-        """Return the rig with some parameter values replaced.
+        """Return the rig with some values of parameters and effects replaced.
 
         Parameters
         ----------
         values : mapping of str to float
-            Parameter id to value in SI.
+            Parameter id, or ``effect:parameter`` as in `effect_values`, to value in SI. An effect
+            that the rig has not had is added.
 
         Returns
         -------
@@ -129,10 +130,15 @@ class Rig:
             When a parameter is not known; the message names the nearest one.
         """
         parameters = dict(self.parameters)
+        effects = {effect: dict(own) for effect, own in self.effects.items()}
         for key, value in values.items():
+            effect, colon, name = key.partition(":")
+            if colon:
+                effects.setdefault(effect, {})[name] = value
+                continue
             require_known(key, parameters, f"rig {self.name}")
             parameters[key] = replace(parameters[key], value=value)
-        return replace(self, parameters=parameters)
+        return replace(self, parameters=parameters, effects=effects)
 
     def with_conditions(self, conditions: Mapping[str, float]) -> "Rig":
         """Return the rig with what was measured for one run.

@@ -5,6 +5,7 @@ import math
 from pneuservo.challenge.effects.concealed import PHYSICS, ConcealedEffect, Form
 from pneuservo.challenge.truth.parameters import Truth
 from pneuservo.challenge.truth.rig import changed
+from pneuservo.errors import InputError
 
 _BLOCK = ("piston",)
 _SLOW = ("triangle", "proportional", "staircase")
@@ -13,6 +14,12 @@ _SLOW = ("triangle", "proportional", "staircase")
 def _filmed(truth: Truth, lag: float, share: float) -> Truth:
     film = share * truth.friction.viscous
     return changed(truth, "friction", lag=lag, film=film, viscous=truth.friction.viscous - film)
+
+
+def _by_direction(truth: Truth, asymmetry: float, viscous: float) -> Truth:
+    if asymmetry > truth.friction.coulomb:
+        raise InputError("friction cannot push: it is at most twice its mean in one direction")
+    return changed(truth, "friction", asymmetry=asymmetry, viscous_asymmetry=viscous)
 
 
 EFFECTS = (
@@ -75,14 +82,12 @@ EFFECTS = (
         ),
     ),
     ConcealedEffect(
-        "friction.asymmetric", PHYSICS, (*_BLOCK, "load"), 0.3, 8.0, "N",
+        "friction.asymmetric", PHYSICS, (*_BLOCK, "load"), 0.2, 1.0, "N",
         (
-            Form("slip level by direction", lambda t, s: changed(t, "friction", asymmetry=s)),
+            Form("slip level by direction", lambda t, s: _by_direction(t, s, 0.0)),
             Form(
                 "slip level and drag by direction",
-                lambda t, s: changed(
-                    t, "friction", asymmetry=0.6 * s, viscous_asymmetry=3.0 * s
-                ),
+                lambda t, s: _by_direction(t, 0.6 * s, 3.0 * s),
             ),
         ),
         ("triangle", "proportional", "sliding-mode"),

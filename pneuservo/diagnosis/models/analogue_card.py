@@ -38,6 +38,8 @@ _STAGES = {
     "card_output": ("card_surface",),
 }
 """What each judged channel is fed with."""
+_NEARLY_MOST = 0.5
+"""Share of the largest change that counts as large as well."""
 _EVERYWHERE = ("card.opamp-slew", "card.opamp-bandwidth", "card.offset", "card.supply-sag")
 _HEEDED = {
     "card_velocity": (
@@ -182,7 +184,10 @@ class AnalogueCardModel(Model):
         return {block: share / total for block, share in shares.items()}
 
     def block_of(self, effect: Effect, cases: Sequence[Case], values: Sequence[Values]) -> str:
-        """Return the stage whose tap an effect changes most, where it may be any stage's."""
+        """Return the first stage whose tap an effect changes most, where it may be any stage's.
+
+        What a stage does to its tap the stages behind it pass on.
+        """
         if effect.id not in _EVERYWHERE:
             return effect.block
         shares: dict[str, float] = {}
@@ -190,7 +195,8 @@ class AnalogueCardModel(Model):
             change = self.predict(case, mine) - self.predict(case, {**mine, **effect.neutral})
             for block, part in _by_block(case, change[case.usable] ** 2).items():
                 shares[block] = shares.get(block, 0.0) + part
-        return max(shares, key=lambda block: shares[block])
+        most = max(shares.values())
+        return next(block for block, share in shares.items() if share >= _NEARLY_MOST * most)
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by the size of taps and output, and by time."""

@@ -134,6 +134,8 @@ class Model:
     """Whether what the rig's parameters do hardly changes with their values."""
     joint: ClassVar[bool] = False
     """Whether the unknowns of a recording's first case hold for all its cases."""
+    tabulates: ClassVar[bool] = False
+    """Whether tables may stand for what no effect explains."""
 
     def __init__(self, without: frozenset[str] = frozenset()):
         self.without = without
@@ -196,8 +198,8 @@ class Model:
         return []
 
     def tables(self, cases: Sequence[Case]) -> list[Table]:
-        """Return the tables that may stand for what no effect explains."""
-        return []
+        """Return the tables that may stand for what no effect explains, of a model that has any."""
+        raise NotImplementedError
 
     def suspects(
         self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]

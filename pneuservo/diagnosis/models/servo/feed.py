@@ -15,6 +15,8 @@ from pneuservo.rigs import Rig
 Array = NDArray[np.float64]
 
 PRESSURES = ("pressure_a", "pressure_b")
+CHANNELS = (*PRESSURES, "displacement")
+"""Judged channels, as the observer orders them."""
 STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
 HELD_FOR = 8e-3

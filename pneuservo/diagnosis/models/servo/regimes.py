@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.servo.feed import Array, Feed
+from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.rigs import Rig
 
 SLOW = 0.01
@@ -55,33 +55,6 @@ def regimes_of(feed: Feed, rig: Rig) -> dict[str, NDArray[np.bool_]]:
         "at pressures near the supply": np.max(ratio, axis=0) > 0.9,
         "at low chamber pressure": np.min(ratio, axis=0) < 0.4,
         "in the last third of the recording": elapsed > elapsed[-1] * 2.0 / 3.0,
-    }
-
-
-def regressors_of(feed: Feed) -> dict[str, Array]:
-    """Return the quantities that what is left over may depend on.
-
-    Parameters
-    ----------
-    feed : Feed
-        The recording.
-
-    Returns
-    -------
-    dict of str to (n,) array
-        In SI; a direction is added as a number larger than any value.
-    """
-    displacement, velocity, acceleration = feed.motion
-    direction = np.sign(velocity)
-    return {
-        "displacement": displacement,
-        "displacement and direction": displacement + 10.0 * direction,
-        "velocity": velocity,
-        "acceleration": acceleration,
-        "pressure in chamber a": feed.pressures[0],
-        "pressure in chamber b": feed.pressures[1],
-        "valve voltage": feed.voltage,
-        "time": feed.time,
     }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.models.servo.charging import charging_flow
-from pneuservo.diagnosis.models.servo.feed import PRESSURES, Feed
+from pneuservo.diagnosis.models.servo.feed import CHANNELS, Feed
 from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
@@ -96,9 +96,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     (3, n) array
         As the transducers read them; zeros where nothing was measured.
     """
-    left, _, _ = _observe(fed, values, rig, fed.gains, fed.shares, learning=False)
-    left[:2] *= _as_read(numbers(values, rig)[1])
-    return left
+    return _observe(fed, values, rig, fed.gains, fed.shares, learning=False)[0]
 
 
 def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
@@ -137,7 +135,7 @@ def _observe(
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    noise = [fed.noise.get(name, 1.0) for name in (*PRESSURES, "displacement")]
+    noise = [fed.noise.get(name, 1.0) for name in CHANNELS]
     found: tuple[Array, Array, Array] = observe(
         fed.time,
         fed.voltage,
@@ -159,6 +157,7 @@ def _observe(
         state,
         step_for(effects),
     )
+    found[0][:2] *= _as_read(effects)
     return found
 
 

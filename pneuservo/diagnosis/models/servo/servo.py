@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
-from pneuservo.diagnosis.models.servo.feed import PRESSURES, Feed, feed, held_command
+from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, Feed, feed, held_command
 from pneuservo.diagnosis.models.servo.imitation import imitated
-from pneuservo.diagnosis.models.servo.regimes import regimes_of, regressors_of
+from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import REVERSAL, ZERO_FORCE, run_observer
 from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
@@ -19,8 +19,6 @@ from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
-CHANNELS = (*PRESSURES, "displacement")
-"""Judged channels, as the observer orders them."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
@@ -30,8 +28,6 @@ _MEDIAN = 0.455
 """Of the square of a standard normal variable."""
 _KEPT = 4
 """Results kept per recording."""
-_TOGETHER = 0.2
-"""Both chambers are wrong when each has at least this share of what is left of them."""
 
 
 class ServoModel(Model):
@@ -54,6 +50,7 @@ class ServoModel(Model):
     )
     steady: ClassVar[bool] = True
     joint: ClassVar[bool] = True
+    tabulates: ClassVar[bool] = True
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -125,27 +122,6 @@ class ServoModel(Model):
         """Return tables of a force or a flow over everything that was recorded."""
         return tables_of(cases)
 
-    def suspects(
-        self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
-    ) -> dict[str, float]:
-        """Return piston, chambers or valve by which channels are wrong, and wrong together."""
-        excess = dict.fromkeys(("displacement", "pressure_a", "pressure_b"), 0.0)
-        for case, left, level in zip(cases, residuals, noise, strict=True):
-            excess[case.channel] += max(float(np.sum(left**2)) - len(left) * level**2, 0.0)
-        both = (excess["pressure_a"], excess["pressure_b"])
-        if min(both) > _TOGETHER * sum(both):
-            shares = {"piston": excess["displacement"], "valve.flow": sum(both)}
-        else:
-            shares = {
-                "piston": excess["displacement"],
-                "chamber.a": excess["pressure_a"],
-                "chamber.b": excess["pressure_b"],
-            }
-        total = sum(shares.values())
-        if total <= 0.0:
-            return {self.block: 1.0}
-        return {block: share / total for block, share in shares.items()}
-
     def imitate(
         self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
     ) -> list[Case]:
@@ -156,7 +132,8 @@ class ServoModel(Model):
             fed: Feed = case.inputs["feed"]
             if id(fed) not in copies:
                 zero = mine.get(ZERO_FORCE, 0.0)
-                rig = _fitted_rig(case.rig, mine)
+                known = {k: v for k, v in mine.items() if k in case.rig.parameters or ":" in k}
+                rig = case.rig.with_values(known)
                 try:
                     copies[id(fed)] = imitated(fed, case.recording, rig, zero, rng)
                 except InputError:
@@ -173,10 +150,6 @@ class ServoModel(Model):
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by motion, place, opening, pressure ratio and time."""
         return regimes_of(case.inputs["feed"], case.rig)
-
-    def regressors(self, case: Case) -> dict[str, Array]:
-        """Return motion, pressures, command and time."""
-        return regressors_of(case.inputs["feed"])
 
 
 def _likelier_command(ramped: Feed, rig: Rig) -> Feed:
@@ -208,17 +181,6 @@ def _unlikeliness(fed: Feed, rig: Rig, calm: NDArray[np.bool_]) -> float:
     return total
 
 
-def _fitted_rig(rig: Rig, values: Values) -> Rig:
-    """Return the rig with fitted parameters and effects."""
-    effects: dict[str, dict[str, float]] = {}
-    for key, value in values.items():
-        effect, colon, name = key.partition(":")
-        if colon:
-            effects.setdefault(effect, {})[name] = value
-    parameters = {key: value for key, value in values.items() if key in rig.parameters}
-    return replace(rig.with_values(parameters), effects=effects)
-
-
 def _innovations(fed: Feed, values: Values, rig: Rig) -> Array:
     """Return the innovations of all channels, worked out once for all of them."""
     heeded = tuple(sorted(values.items()))
@@ -226,4 +188,6 @@ def _innovations(fed: Feed, values: Values, rig: Rig) -> Array:
         while len(fed.done) >= _KEPT:
             fed.done.pop(next(iter(fed.done)))
         fed.done[heeded] = run_observer(fed, values, rig)
+    # What is asked for again, such as what changes are held against, is kept longest.
+    fed.done[heeded] = fed.done.pop(heeded)
     return fed.done[heeded]

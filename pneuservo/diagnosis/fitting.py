@@ -1,0 +1,199 @@
+"""Output-error fits: the whole model is simulated and compared with what was measured."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import INTERVAL, Fit, rms
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.noise import effective_samples
+from pneuservo.diagnosis.problem import Problem, begun_at, problem_with, problems_of
+from pneuservo.diagnosis.starts import best_start
+from pneuservo.diagnosis.steady import Known, SteadySensitivity
+from pneuservo.errors import FitError
+
+_DIFFERENCE_STEP = 1e-6
+_MOST_EVALUATIONS = 60
+_ENOUGH = 1e-5
+"""Relative drop of the sum of squares below which a fit from kept sensitivities ends."""
+_FEW_EVALUATIONS = 15
+_MOST_PASSES = 8
+_SETTLED = 0.03
+"""Relative change of the weights below which they have settled."""
+
+
+def fit(
+    model: Model,
+    cases: Sequence[Case],
+    hypothesis: Hypothesis,
+    near: Fit | None = None,
+    fixed: Values | None = None,
+    reference: Case | None = None,
+) -> Fit:
+    """Fit a hypothesis to recordings by simulating them.
+
+    Parameters
+    ----------
+    model : Model
+        The rig's model.
+    cases : sequence of Case
+        Prepared recordings of one rig.
+    hypothesis : Hypothesis
+        What may change.
+    near : Fit, optional
+        A fit of a similar hypothesis to start from.
+    fixed : mapping of str to float, optional
+        Values of all shared unknowns; only each recording's own are then fitted.
+    reference : Case, optional
+        The recording that `fixed` is stated for; the first one where it is not given.
+
+    Returns
+    -------
+    Fit
+        The best fit found.
+
+    Raises
+    ------
+    FitError
+        When no start leads to a finite fit.
+
+    Notes
+    -----
+    Weighted least squares. A residual counts as ``effective`` independent samples of its own
+    root mean square, so that a misfit of the model cannot overrule what is known of a parameter
+    by sheer number of samples.
+    """
+    if fixed is None:
+        best = best_start(model, cases, hypothesis, near)
+    else:
+        best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
+        if not best.unknowns:
+            return _summary(hypothesis, best, np.empty(0), fixed)
+    vector = np.asarray(best.begin) / best.units
+    # The weights, and with them the intervals, follow from the misfit that is left.
+    known: Known | None = None
+    for passed in range(_MOST_PASSES if model.steady else 2):
+        before, best.scale = best.scale, _scales(best, vector)
+        if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in best.scale.items()):
+            break
+        vector = _solve(best, vector, hypothesis, near if known is None else known)
+        if passed or near is not None:
+            # By now the vector is near the solution: no sensitivity has to be worked out again.
+            known = best.solved()
+        if near is not None and model.steady and _hopeless(best, vector, near):
+            break
+    return _summary(hypothesis, best, vector, fixed)
+
+
+def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
+    """Return a fit carried to its end with sensitivities of its own.
+
+    Parameters
+    ----------
+    model, cases
+        What was fitted to what.
+    found : Fit
+        From `fit`; where sensitivities were kept from a similar fit it may have stopped on a ridge
+        along which two values make up for each other.
+    """
+    problem = begun_at(problems_of(model, cases, found.hypothesis)[0], found.shared, found.own)
+    problem.scale = found.scale
+    begin = np.asarray(problem.begin) / problem.units
+    return _summary(found.hypothesis, problem, _solve(problem, begin, found.hypothesis, None), None)
+
+
+def _hopeless(problem: Problem, vector: Array, near: Fit) -> bool:
+    """Return whether more freedom has led to a worse fit: no other weights will mend that."""
+    row_scale = problem.row_scale()
+    before = np.concatenate([np.concatenate(near.residuals) / row_scale, near.distance])
+    return float(np.sum(problem.cost_vector(vector) ** 2)) > float(np.sum(before**2))
+
+
+def _scales(problem: Problem, vector: Array) -> dict[str, float]:
+    """Return what one residual of each channel counts as one standard deviation."""
+    residuals, scales = problem.residuals(vector), {}
+    for channel in dict.fromkeys(problem.channels):
+        parts = [r for r, c in zip(residuals, problem.channels, strict=True) if c == channel]
+        size, worth = sum(len(r) for r in parts), sum(effective_samples(r) for r in parts)
+        scales[channel] = max(rms(parts), problem.resolution(channel)) * float(
+            np.sqrt(size / worth)
+        )
+    return scales
+
+
+def _solve(problem: Problem, vector: Array, hypothesis: Hypothesis, known: Known | None) -> Array:
+    from scipy.optimize import least_squares
+
+    low, high = problem.bounds
+    begin = np.clip(vector, low, high)
+    how: dict[str, Any] = {"diff_step": _DIFFERENCE_STEP, "max_nfev": _MOST_EVALUATIONS}
+    if problem.model.steady:
+        how = {
+            "jac": SteadySensitivity(problem, known),
+            "ftol": _ENOUGH,
+            "max_nfev": _FEW_EVALUATIONS,
+            # A reflective trust region creeps where a size begins near its lower bound.
+            "method": "dogbox",
+        }
+    with np.errstate(all="ignore"):
+        found: Any = least_squares(
+            problem.cost_vector, begin, bounds=(low, high), x_scale="jac", **how
+        )
+    if not np.isfinite(found.cost) or found.cost > 1e17:
+        tried = ", ".join(hypothesis.members) or "the baseline"
+        raise FitError(
+            f"the fit of {tried} did not reach finite values from any of its starts; "
+            "check units and signs of the recording's channels"
+        )
+    solution: Array = found.x
+    problem.jacobian = found.jac
+    return solution
+
+
+def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Values | None) -> Fit:
+    residuals = problem.residuals(vector)
+    everything = np.concatenate(residuals)
+    effective: dict[str, float] = {}
+    for channel, part in zip(problem.channels, residuals, strict=True):
+        effective[channel] = effective.get(channel, 0.0) + effective_samples(part)
+    finest = {channel: problem.resolution(channel) for channel in effective}
+    jacobian = problem.jacobian
+    if jacobian is None:
+        jacobian = np.zeros((len(everything) + len(problem.tolerated), len(vector)))
+    spread = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(problem.units, problem.units)
+    covariance = np.asarray(spread, dtype=np.float64)
+    half = INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    bounds = [
+        (float(max(x - h, u.low)), float(min(x + h, u.high)))
+        for x, h, u in zip(vector * problem.units, half, problem.shared, strict=False)
+    ]
+    values = problem.values(vector)
+    intervals = {u.key: ends for u, ends in zip(problem.shared, bounds, strict=True)}
+    shared = {u.key: values[0][u.key] for u in problem.shared} if fixed is None else dict(fixed)
+    return Fit(
+        hypothesis,
+        shared,
+        intervals,
+        tuple(problem.own_values(vector)),
+        problem.channels,
+        tuple(residuals),
+        max(rms(residuals), *finest.values()),
+        len(everything),
+        effective,
+        finest,
+        len(problem.unknowns),
+        float(np.sum(problem.distance(vector) ** 2)),
+        problem.scale or dict.fromkeys(effective, 1.0),
+        tuple(problem.keys),
+        problem.units,
+        problem.bounds,
+        vector,
+        problem.owners,
+        tuple(problem.unknowns[i].key for i in problem.tolerated),
+        problem.distance(vector),
+        jacobian,
+        covariance,
+    )

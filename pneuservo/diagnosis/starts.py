@@ -1,0 +1,75 @@
+"""Where a fit begins."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.problem import Problem, begun_at, problems_of
+
+_SMALL = 0.1
+"""Share of its first size with which an effect begins that seems to be none."""
+_RUNAWAY = 1e6
+
+
+def best_start(
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis, near: Fit | None
+) -> Problem:
+    """Return the problem of a fit, begun where it leaves the least.
+
+    Parameters
+    ----------
+    model, cases, hypothesis
+        What is fitted to what.
+    near : Fit or None
+        A fit of a similar hypothesis to start from.
+    """
+    starts = problems_of(model, cases, hypothesis)
+    if near is not None:
+        # The parameters may have gone astray for want of the effect: their nominal values as well.
+        moved = [begun_at(start, near.shared, near.own) for start in starts]
+        starts += moved
+        if model.steady:
+            # A fit that keeps its sensitivities has to begin near enough.
+            starts += [sized for start in moved for sized in _sized(start, near, hypothesis)]
+    with np.errstate(all="ignore"):
+        costs = [_cost(start) for start in starts]
+    return starts[int(np.argsort(np.nan_to_num(costs, nan=np.inf))[0])]
+
+
+def _cost(start: Problem) -> float:
+    begin = np.asarray(start.begin) / start.units
+    return float(np.sum(np.concatenate(start.residuals(begin)) ** 2))
+
+
+def _sized(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
+    """Return starts with the size of a new effect, and all else, as they would be if linear.
+
+    Most of the way to a size that is too large may still be too large: shorter ways are returned
+    as well.
+    """
+    added = hypothesis.effects - near.hypothesis.effects
+    sizes = {e.key(e.parameters[0].name) for e in start.model.effects if e.id in added}
+    place = next((i for i, u in enumerate(start.shared) if u.key in sizes), None)
+    if place is None:
+        return []
+    begin, unknown = np.asarray(start.begin), start.shared[place]
+    with np.errstate(all="ignore"):
+        there = near.weigh(start.residuals(begin / start.units))
+    change = np.clip(np.nan_to_num(near.weighted - there), -_RUNAWAY, _RUNAWAY)
+    left = np.concatenate([near.weighted, near.distance])
+    beyond = near.beyond_refit(change)
+    share = float(beyond @ left) / max(float(beyond @ beyond), 1e-300)
+    if unknown.low >= 0.0:
+        share = max(share, _SMALL)
+    share = float(np.clip(share * begin[place], unknown.low, unknown.high)) / begin[place]
+    whole = np.concatenate([change, np.zeros(len(near.distance))])
+    found = []
+    for way in (share, _SMALL * share):
+        step = np.linalg.lstsq(near.sensitivity, way * whole - left, rcond=None)[0]
+        sized = begun_at(start, *near.moved(step))
+        np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
+        found.append(sized)
+    return found
