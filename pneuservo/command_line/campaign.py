@@ -3,14 +3,18 @@
 import json
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from analog_card.console import Quantity, progress
-from analog_card.files import write_whole
-from pneuservo.command_line.campaign_options import place_of, read_given, require_one_place
+from pneuservo.command_line.campaign_options import (
+    hand_out,
+    options_of_place,
+    place_of,
+    read_given,
+    require_one_place,
+)
 
 if TYPE_CHECKING:
     from pneuservo.campaign.run import Outcome
@@ -58,12 +62,7 @@ Campaign file:
 @click.option("--card", help="What a card is simulated by: figures, behaviour or circuit.")
 @click.option("--without", multiple=True, help="An imperfection that the card is to lack.")
 @click.option("--metric", "metrics", multiple=True, help="What to measure.  [default: all]")
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    help="Processes to run in; the numbers do not depend on it.  [default: 1]",
-)
-@click.option("--cluster", metavar="ADDRESS", help="Run on the workers of a dask scheduler.")
+@options_of_place
 @click.option(
     "--out",
     metavar="FOLDER",
@@ -103,26 +102,22 @@ def command(
 def _report(outcome: "Outcome", out: str | None, plot: str | None, as_json: bool) -> None:
     from pneuservo.campaign.picture import campaign_figure
     from pneuservo.campaign.summary import summary
-    from pneuservo.report.picture_files import write_picture
 
     report = summary(outcome)
-    written = []
-    if out is not None:
-        folder = Path(out)
-        write_whole(folder / "samples.csv", outcome.table().to_csv())
-        write_whole(folder / "summary.json", json.dumps(report, indent=2) + "\n")
-        written = [str(folder / name) for name in ("samples.csv", "summary.json", "metrics.svg")]
-    pictures = [name for name in (*written[-1:], plot) if name is not None]
-    if pictures:
-        figure = campaign_figure(outcome)
-        for name in pictures:
-            write_picture(figure, name)
-    if as_json:
-        click.echo(json.dumps(report, indent=2))
-        return
-    _print(outcome, report)
-    for name in [*written, *([plot] if plot else [])]:
-        click.echo(f"written: {name}")
+    files = {
+        "samples.csv": outcome.table().to_csv(),
+        "summary.json": json.dumps(report, indent=2) + "\n",
+    }
+    hand_out(
+        report,
+        files,
+        "metrics.svg",
+        lambda: campaign_figure(outcome),
+        lambda: _print(outcome, report),
+        out,
+        plot,
+        as_json,
+    )
 
 
 def _print(outcome: "Outcome", report: Mapping[str, Any]) -> None:

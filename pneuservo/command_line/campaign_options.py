@@ -1,11 +1,41 @@
-"""What the commands share that run a loop many times: what varies, and where it is run."""
+"""What commands share that run a loop many times: what varies, where it runs, what it gives."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import click
+
+from analog_card.files import write_files
 from pneuservo.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_PLACE = (
+    click.option(
+        "--jobs",
+        type=click.IntRange(min=1),
+        help="Processes to run in; the numbers do not depend on it.  [default: 1]",
+    ),
+    click.option("--cluster", metavar="ADDRESS", help="Run on the workers of a dask scheduler."),
+)
+
+
+def options_of_place(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that say where it runs, ``--jobs`` and ``--cluster``.
+
+    Parameters
+    ----------
+    command : callable
+        Takes ``jobs`` and ``cluster``.
+    """
+    for option in reversed(_PLACE):
+        command = option(command)
+    return command
 
 
 def read_given(file: str | None, vary: Sequence[str], given: Mapping[str, Any]) -> dict[str, Any]:
@@ -68,6 +98,52 @@ def place_of(address: str | None, jobs: int | None) -> Iterator[tuple[Executor |
 
     with cluster(address) as place:
         yield place
+
+
+def hand_out(
+    report: Mapping[str, Any],
+    files: Mapping[str, str],
+    picture: str,
+    draw: Callable[[], "Figure"],
+    say: Callable[[], None],
+    out: str | None,
+    plot: str | None,
+    as_json: bool,
+) -> None:
+    """Write the files and pictures of a run and print its report.
+
+    Parameters
+    ----------
+    report : mapping
+        For ``--json``.
+    files : mapping of str to str
+        What goes into the folder of ``--out``, by name.
+    picture : str
+        Name of the picture in that folder.
+    draw, say : callable
+        Draw the picture, and print the report for people.
+    out, plot : str or None
+        Folder, and file of a picture.
+    as_json : bool
+        Whether the report is printed as JSON and nothing else.
+    """
+    from pneuservo.report.picture_files import write_picture
+
+    written = []
+    pictures = [plot] if plot is not None else []
+    if out is not None:
+        written = [str(path) for path in write_files(Path(out), files)]
+        pictures.insert(0, str(Path(out) / picture))
+    if pictures:
+        figure = draw()
+        for name in pictures:
+            write_picture(figure, name)
+    if as_json:
+        click.echo(json.dumps(report, indent=2))
+        return
+    say()
+    for name in (*written, *pictures):
+        click.echo(f"written: {name}")
 
 
 def _axis(text: str) -> tuple[str, str]:

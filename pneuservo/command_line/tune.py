@@ -1,14 +1,18 @@
 """``pneuservo tune``: potentiometer settings that are best in the worst rig of a set."""
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from analog_card.console import Quantity, progress
-from analog_card.files import write_files
-from pneuservo.command_line.campaign_options import place_of, read_given, require_one_place
+from pneuservo.command_line.campaign_options import (
+    hand_out,
+    options_of_place,
+    place_of,
+    read_given,
+    require_one_place,
+)
 
 if TYPE_CHECKING:
     from pneuservo.tuning.run import RobustTuning
@@ -79,12 +83,7 @@ The set of rigs, in a file as of pneuservo campaign:
     help="Drawn rigs and cards in which the outcome is simulated.",
 )
 @click.option("--seed", type=int, help="Of the search and of what is drawn.  [default: 0]")
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    help="Processes to run in; the numbers do not depend on it.  [default: 1]",
-)
-@click.option("--cluster", metavar="ADDRESS", help="Run on the workers of a dask scheduler.")
+@options_of_place
 @click.option(
     "--out",
     metavar="FOLDER",
@@ -136,32 +135,25 @@ def command(
 
 def _report(found: "RobustTuning", out: str | None, plot: str | None, as_json: bool) -> None:
     from analog_card.design_file import design_to_toml
-    from pneuservo.report.picture_files import write_picture
     from pneuservo.tuning.picture import tuning_figure
     from pneuservo.tuning.summary import summary
 
     report = summary(found)
-    written = []
-    if out is not None:
-        folder = Path(out)
-        files = {
-            "front.csv": found.table().to_csv(index=False),
-            "tuning.json": json.dumps(report, indent=2) + "\n",
-            "card.toml": design_to_toml(found.design),
-        }
-        written = [str(path) for path in write_files(folder, files)]
-        written.append(str(folder / "front.svg"))
-    pictures = [name for name in (*written[-1:], plot) if name is not None]
-    if pictures:
-        figure = tuning_figure(found)
-        for name in pictures:
-            write_picture(figure, name)
-    if as_json:
-        click.echo(json.dumps(report, indent=2))
-        return
-    _print(found, report)
-    for name in [*written, *([plot] if plot else [])]:
-        click.echo(f"written: {name}")
+    files = {
+        "front.csv": found.table().to_csv(index=False),
+        "tuning.json": json.dumps(report, indent=2) + "\n",
+        "card.toml": design_to_toml(found.design),
+    }
+    hand_out(
+        report,
+        files,
+        "front.svg",
+        lambda: tuning_figure(found),
+        lambda: _print(found, report),
+        out,
+        plot,
+        as_json,
+    )
 
 
 def _print(found: "RobustTuning", report: dict[str, Any]) -> None:

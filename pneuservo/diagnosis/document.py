@@ -113,10 +113,12 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         }
     if diagnosis.unexplained is not None:
         effects[diagnosis.unexplained.table.effect] = diagnosis.unexplained.parameters
+    transducers = {name: entry.as_table() for name, entry in rig.transducers.items()}
     return {
         "rig": head,
         "parameters": parameters,
         "effects": effects,
+        **({"transducers": transducers} if transducers else {}),
         "diagnosis": {"verdict": diagnosis.verdict} | _session(diagnosis.search),
     }
 
@@ -171,16 +173,23 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
     close = [r.candidate for r in others if r.evidence < own.evidence + UNDECIDED]
     alike = [name for name in close if name in CATALOGUE]
     alike += [name for name in search.alike(member) if name not in alike]
+    probability = {rival.candidate: rival.probability for rival in rivals}
+    if search.model.steady:
+        # Evidence between laws that differ in form alone says nothing: they share what they have.
+        together = [member, *alike]
+        shared = min(sum(probability[name] for name in together), SUREST) / len(together)
+        probability |= dict.fromkeys(together, shared)
     return {
         "effect": member,
         "block": _block(search, member),
         "statement": effect.statement,
         "equation": effect.equation,
         "parameters": _parameters(search, member) | _derived(search, member),
-        "probability": own.probability,
+        "probability": probability[member],
         "class": [member, *alike],
         "alternatives": [
-            {"effect": rival.candidate, "probability": rival.probability} for rival in others[:5]
+            {"effect": rival.candidate, "probability": probability[rival.candidate]}
+            for rival in others[:5]
         ],
     }
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, explained, rms
+from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.judge import LEAST_GAIN, OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table
@@ -67,7 +67,7 @@ class Unexplained:
             unit = self.table.unit_of_quantity if key in (self.table.low, self.table.high) else ""
             found[_name(key)] = {"value": value, "unit": unit, "low": value, "high": value}
         for key, value, sigma in zip(self.table.knots, self.values, self.spread, strict=True):
-            half = 1.96 * float(sigma)
+            half = INTERVAL * float(sigma)
             found[_name(key)] = {
                 "value": float(value),
                 "unit": self.table.unit,

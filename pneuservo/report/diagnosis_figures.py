@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from pneuservo.diagnosis import Diagnosis
-from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fit import INTERVAL, Fit
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.problem import values_in
+from pneuservo.diagnosis.unexplained import Unexplained, smoothed
 from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
 
 # For people: a scale, the unit to print, and what is subtracted first.
@@ -35,8 +36,8 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     Returns
     -------
     dict
-        ``curves``: a list of (title, svg); ``blocks`` and ``rivals``: svg, the latter None
-        when there is nothing to compare.
+        ``curves``: a list of (title, svg); ``blocks``, ``rivals`` and ``table``: svg, the last two
+        None when there is nothing to compare and nothing without a name.
     """
     search = diagnosis.search
     worst = int(np.argmax([float(np.mean(r**2)) for r in search.baseline.residuals]))
@@ -60,8 +61,12 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     rivals = None
     if alone:
         rivals = draw(_rivals, diagnosis, alone, size=(9.0, 0.9 + 0.3 * (len(alone) + 2)))
+    table = None
+    if diagnosis.unexplained is not None:
+        table = draw(_table, diagnosis.unexplained, size=(7.0, 3.2))
     return {
         "curves": curves,
+        "table": table,
         "blocks": draw(_blocks, diagnosis.rig.kind, answer, size=(9.0, 1.5)),
         "rivals": rivals,
     }
@@ -146,6 +151,18 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
         axes.text(x, 0.3, text, ha="right" if x < 0 else "left", va="center", color="#333333")
     axes.set(xlim=(-0.5, right + 0.5), ylim=(-0.1, 0.7))
     axes.axis("off")
+
+
+def _table(axes: Any, found: Unexplained) -> None:
+    scale, unit = _DISPLAY.get(found.table.unit_of_quantity, (1.0, found.table.unit_of_quantity))
+    knots = found.knots * scale
+    axes.axhline(0.0, color="#8a8f94", lw=0.8)
+    axes.plot(knots, smoothed(found.knots, found.values, found.spread), color=REPAIRED, lw=2.0)
+    axes.errorbar(
+        knots, found.values, INTERVAL * found.spread, fmt="o", color=MEASURED, ms=4, capsize=3
+    )
+    axes.set_xlabel(f"{found.table.quantity} [{unit or '-'}]")
+    axes.set_ylabel(f"{found.table.what} [{found.table.unit}]")
 
 
 def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None:

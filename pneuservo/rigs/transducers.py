@@ -32,6 +32,10 @@ class Transducer:
     low: float = -math.inf
     high: float = math.inf
 
+    def as_table(self) -> dict[str, float | list[float]]:
+        """Return what a rig file says of it, in SI."""
+        return {"noise": self.noise, "range": [self.low, self.high]}
+
 
 def read_transducers(table: Mapping[str, Any], kind: str, where: str) -> dict[str, Transducer]:
     """Return the transducers that a rig file states.

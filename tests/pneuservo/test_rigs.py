@@ -46,6 +46,17 @@ def test_valve_tables_are_complete_and_ordered():
         assert (table.pressure_ratio[:, -1] == 1.0).all()
 
 
+def test_values_of_parameters_and_effects_are_put_in_alike():
+    rig = load_rig("single-axis")
+    changed = rig.with_values({"load.mass": 2.0, "leakage.chamber-a:area": 3e-9})
+    assert changed["load.mass"] == 2.0
+    assert changed.effect_values == {"leakage.chamber-a:area": 3e-9}
+    again = changed.with_values({"leakage.chamber-a:area": 1e-9, "friction.lag:time": 0.01})
+    assert again.effect_values == {"leakage.chamber-a:area": 1e-9, "friction.lag:time": 0.01}
+    assert rig.effects == {}
+    assert changed.effect_values == {"leakage.chamber-a:area": 3e-9}
+
+
 def write(tmp_path, text):
     path = tmp_path / "rig.toml"
     path.write_text(text, encoding="utf-8")

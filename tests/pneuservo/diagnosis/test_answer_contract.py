@@ -218,3 +218,14 @@ def test_a_second_diagnosis_with_the_repaired_rig_finds_nothing_new(found, model
     (channel,) = answer["fit"]["channels"].values()
     # The same model, its effects held: nothing is left to move but what was fitted already.
     assert again.search.chosen.rms == pytest.approx(channel["after"]["used"], rel=0.02)
+
+
+def test_the_repaired_rig_keeps_its_transducers(tmp_path):
+    path = tmp_path / "rig.toml"
+    path.write_text(
+        '[rig]\nkind = "dead-volume"\n[transducers.pressure]\nnoise = "250 Pa"\n', encoding="utf-8"
+    )
+    diagnosis = diagnose(MAKERS["dead_volume"](1), rig=path)
+    again = tmp_path / "model.toml"
+    again.write_text(tomli_w.dumps(repaired_model(diagnosis)), encoding="utf-8")
+    assert load_rig(again).transducers == load_rig(path).transducers

@@ -1,0 +1,82 @@
+"""Fits of the servo: they reach the optimum, and never end worse than they began."""
+
+import numpy as np
+import pytest
+from servo_recordings import recorded
+
+from pneuservo.controllers import Proportional
+from pneuservo.diagnosis.fit import explained, orthonormal
+from pneuservo.diagnosis.fitting import fit, polished
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models import model_of
+from pneuservo.rigs import load_rig
+
+ANGLE = 0.6
+
+
+@pytest.fixture(scope="module")
+def tilted():
+    """Return model, cases and baseline of a servo that is tilted."""
+    rig = load_rig("single-axis")
+    recording = recorded(
+        rig.with_values({"load.gravity-angle:angle": ANGLE}), Proportional(), 5, duration=3.0
+    )
+    model = model_of(rig.kind)
+    cases = model.cases(recording, rig)
+    return model, cases, fit(model, cases, Hypothesis())
+
+
+@pytest.fixture(scope="module")
+def named(tilted):
+    model, cases, baseline = tilted
+    return fit(model, cases, Hypothesis().adding("load.gravity-angle"), baseline)
+
+
+def test_a_size_that_begins_near_its_bound_is_found(tilted, named):
+    _, _, baseline = tilted
+    assert named.shared["load.gravity-angle:angle"] == pytest.approx(ANGLE, rel=0.1)
+    assert explained(baseline, named) > 50.0
+
+
+def test_the_last_fit_is_no_worse_and_hardly_elsewhere(tilted, named):
+    model, cases, _ = tilted
+    last = polished(model, cases, named)
+
+    def cost(found):
+        return float(np.sum(named.weigh(found.residuals) ** 2)) + found.penalty
+
+    assert cost(last) <= cost(named) + 1e-6
+    assert last.shared["load.gravity-angle:angle"] == pytest.approx(
+        named.shared["load.gravity-angle:angle"], rel=0.05
+    )
+
+
+def test_an_effect_that_is_not_there_gains_next_to_nothing(tilted, named):
+    model, cases, _ = tilted
+    more = fit(model, cases, named.hypothesis.adding("leakage.chamber-a"), named)
+    assert abs(explained(named, more)) < 20.0
+
+
+def test_values_stay_within_their_bounds_wherever_a_step_leads(tilted):
+    _, cases, baseline = tilted
+    far = np.full(len(baseline.keys), -1e6)
+    shared, _ = baseline.moved(far)
+    for key in baseline.tolerated:
+        if key in shared and cases[0].rig[key] > 0.0:
+            assert shared[key] > 0.0, key
+
+
+def test_what_a_refit_absorbs_is_nothing_beyond_it(tilted):
+    _, _, baseline = tilted
+    absorbed = baseline.jacobian @ np.linspace(-1.0, 1.0, len(baseline.keys))
+    beyond = baseline.beyond_refit(absorbed)
+    whole = np.concatenate([absorbed, np.zeros(len(baseline.distance))])
+    # But for what the tolerances hold back.
+    held = whole - baseline.absorbed @ np.linalg.lstsq(baseline.absorbed, whole, rcond=None)[0]
+    assert beyond == pytest.approx(held, abs=1e-6 * np.linalg.norm(whole))
+
+
+def test_an_orthonormal_basis_leaves_out_what_is_nothing():
+    basis = orthonormal(np.array([[3.0, 0.0], [4.0, 0.0], [0.0, 0.0]]))
+    assert np.abs(basis[:, 0]) == pytest.approx([0.6, 0.8, 0.0])
+    assert basis.shape == (3, 1)
