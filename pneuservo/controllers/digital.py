@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from analog_card.surface_weights import state_weights
 from pneuservo.controllers.board import DT2812A, Board
 from pneuservo.controllers.requirements import require, sensitivity
 from pneuservo.controllers.sampled import Reading, SampledController, Voltage
+from pneuservo.controllers.surface import SlidingSurface
 from pneuservo.plant.control_law import limited
 from pneuservo.rigs import Rig
 from pneuservo.sliding_mode.boundary_layer import boundary_layer
@@ -52,7 +52,7 @@ class DifferencedStates:
 
 
 @dataclass(frozen=True)
-class SampledSlidingMode(SampledController):
+class SampledSlidingMode(SlidingSurface, SampledController):
     """What every sampled sliding mode controller is set by.
 
     Parameters
@@ -71,23 +71,13 @@ class SampledSlidingMode(SampledController):
         The converters; None for exact ones without delay.
     """
 
-    settling_time: float = 0.07
-    damping: float = 1.0
-    boundary_layer: float = 5.0
-    level: float = 5.0
     sampling_time: float = 1e-3
     board: Board | None = DT2812A
 
     def __post_init__(self) -> None:
         """Refuse values that make no controller."""
-        for name in ("settling_time", "damping", "level", "sampling_time"):
-            require(self.kind, name, getattr(self, name), above=0.0)
-        require(self.kind, "boundary_layer", self.boundary_layer, at_least=0.0)
-
-    @property
-    def weights(self) -> tuple[float, float, float]:
-        """Return c1 [1/s^2], c2 [1/s] and c3 [-]."""
-        return (*state_weights(self.settling_time, self.damping), 1.0)
+        super().__post_init__()
+        require(self.kind, "sampling_time", self.sampling_time, above=0.0)
 
     def switching_function(self, states: tuple[float, float, float]) -> float:
         """Return sigma of displacement error, velocity and acceleration [m/s^2].

@@ -4,14 +4,14 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from analog_card.surface_weights import state_weights
 from pneuservo.controllers.requirements import require, sensitivity
+from pneuservo.controllers.surface import SlidingSurface
 from pneuservo.plant.control_law import TRUE_STATES, ControlLaw
 from pneuservo.rigs import Rig
 
 
 @dataclass(frozen=True)
-class SlidingMode:
+class SlidingMode(SlidingSurface):
     """Sliding mode with the true velocity and acceleration.
 
     Parameters
@@ -38,21 +38,6 @@ class SlidingMode:
     """
 
     kind: ClassVar[str] = "sliding-mode"
-    settling_time: float = 0.07
-    damping: float = 1.0
-    boundary_layer: float = 5.0
-    level: float = 5.0
-
-    def __post_init__(self) -> None:
-        """Refuse values that make no controller."""
-        for name in ("settling_time", "damping", "level"):
-            require(self.kind, name, getattr(self, name), above=0.0)
-        require(self.kind, "boundary_layer", self.boundary_layer, at_least=0.0)
-
-    @property
-    def weights(self) -> tuple[float, float, float]:
-        """Return c1 [1/s^2], c2 [1/s] and c3 [-]."""
-        return (*state_weights(self.settling_time, self.damping), 1.0)
 
     def law(self, rig: Rig) -> ControlLaw:
         """Return the law as the kernels take it."""

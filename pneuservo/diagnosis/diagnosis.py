@@ -204,7 +204,7 @@ def _unexplained(search: Search) -> Unexplained | None:
         return None
     search.progress("looking for what has no name")
     found = find_unexplained(
-        model, cases, model.tables(cases), search.baseline, search.chosen, search.copies
+        model, cases, model.tables(cases), search.baseline, search.chosen, search.pretence.copies
     )
     if found is not None and found.instead:
         search.give_up()

@@ -23,17 +23,10 @@ from pneuservo.diagnosis.judge import (
 )
 from pneuservo.diagnosis.ledger import Rival, Step
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, resolution
+from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.profile import with_profiles
-from pneuservo.diagnosis.screen import (
-    Visibility,
-    gain_in,
-    imitated_residuals,
-    promising,
-    signatures_of,
-    visibilities,
-)
+from pneuservo.diagnosis.screen import promising
 
 SUREST = 0.99
 """Largest probability that is claimed: the catalogue never holds everything."""
@@ -79,8 +72,6 @@ class Search:
     interrupted: bool = False
     over_chance: dict[str, float] = field(default_factory=dict)
     _promising: dict[Any, list[str]] = field(default_factory=dict)
-    _imitated: dict[Hypothesis, list[Array]] = field(default_factory=dict)
-    _visible: dict[Hypothesis, dict[str, Visibility]] = field(default_factory=dict)
 
     @property
     def baseline(self) -> Fit:
@@ -109,15 +100,9 @@ class Search:
         ]
 
     @cached_property
-    def signatures(self) -> dict[str, list[Array]]:
-        """Return what each effect changes, for a model whose sensitivities are steady."""
-        self.progress("working out what each effect would change")
-        return signatures_of(self.model, self.cases, self.baseline)
-
-    @property
-    def visibility(self) -> dict[str, Visibility]:
-        """Return how each effect would show, for a model whose sensitivities are steady."""
-        return self._visible_beside(self.baseline)
+    def pretence(self) -> Pretence:
+        """Return what the method itself pretends, for a model whose sensitivities are steady."""
+        return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed)
 
     def _worth_fitting(
         self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
@@ -127,7 +112,7 @@ class Search:
             return names
         asked = (base.hypothesis, tuple(names), tuple(keep))
         if asked not in self._promising:
-            self._promising[asked] = promising(base, self.signatures, names, keep)
+            self._promising[asked] = promising(base, self.pretence.signatures, names, keep)
         return self._promising[asked]
 
     @property
@@ -262,47 +247,6 @@ class Search:
         chance = chance_gain(rest.jacobian, directions, noise, self.seed)
         return explained(rest, chosen) / chance if chance > 0.0 else float("inf")
 
-    def copies(self, fitted: Fit) -> list[Array]:
-        """Return what a fit leaves of recordings that its own rig has made.
-
-        Parameters
-        ----------
-        fitted : Fit
-            Of some hypothesis.
-
-        Returns
-        -------
-        list of (n,) array
-            Weighted residuals of each copy.
-        """
-        if fitted.hypothesis not in self._imitated:
-            self.progress("imitating the recordings with what has been found")
-            self._imitated[fitted.hypothesis] = imitated_residuals(
-                self.model, self.cases, fitted, self.seed
-            )
-        return self._imitated[fitted.hypothesis]
-
-    def _pretended(self, name: str, beside: Fit, closer: Fit) -> float:
-        """Return what a candidate seems to gain where there is no more than what is accepted.
-
-        The larger of what its signatures and what it does at its fitted size would gain.
-        """
-        if "imitations" in self.model.without:
-            return 0.0
-        change = beside.weigh(beside.residuals) - beside.weigh(closer.residuals)
-        scale = closer.row_scale() / beside.row_scale()
-        columns = closer.sensitivities(name) * scale[:, np.newaxis]
-        fitted = gain_in(beside, np.column_stack([change, columns]), self.copies(beside))
-        shown = self._visible_beside(beside)
-        return max(fitted, shown[name].pretended if name in shown else 0.0)
-
-    def _visible_beside(self, beside: Fit) -> dict[str, Visibility]:
-        if beside.hypothesis not in self._visible:
-            self._visible[beside.hypothesis] = visibilities(
-                beside, self.signatures, self.copies(beside)
-            )
-        return self._visible[beside.hypothesis]
-
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
         for member in list(self.accepted[:-1]):
@@ -333,7 +277,7 @@ class Search:
                 current,
                 self.baseline,
                 self.model.effects,
-                lambda n, closer: self._pretended(n, current, closer),
+                lambda name, closer: self.pretence.of(name, current, closer),
             )
         found = (self._unexplained(self.baseline), self._unexplained(current))
         return ByEvidence(current, self.candidates, *found)

@@ -59,7 +59,7 @@ def _faint(search: Search) -> list[dict[str, str]]:
     for effect in search.model.effects:
         if effect.id in search.accepted or not _compatible(search, effect):
             continue
-        shown, size = search.visibility[effect.id], effect.parameters[0]
+        shown, size = search.pretence.visible(search.baseline)[effect.id], effect.parameters[0]
         growth = max(abs(size.high), abs(size.low)) / abs(size.starts[0])
         if shown.distinct * growth < DETECTABLE:
             absorbed = shown.length * growth >= DETECTABLE
@@ -113,7 +113,7 @@ def _same_direction(search: Search, parameter: str) -> list[str]:
     ]
     alike += [
         name
-        for name, variants in search.signatures.items()
+        for name, variants in search.pretence.signatures.items()
         if name not in search.accepted and cosine(mine, variants[0][:, 0] / scale) > SAME_DIRECTION
     ]
     return alike

@@ -1,0 +1,160 @@
+"""What the method itself pretends, seen in recordings that its own models have made."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit, orthonormal
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.problem import residuals_of, values_in_each
+from pneuservo.diagnosis.signatures import (
+    Signatures,
+    most_gained,
+    signatures_of,
+    spans_beyond,
+    weighted,
+)
+
+IMITATIONS = 3
+"""Recordings without effect that are made to see what the method itself pretends."""
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """How an effect would show, and how much of it the method pretends.
+
+    Parameters
+    ----------
+    length : float
+        Of its signature at the start's size, in standard deviations of the residuals.
+    distinct : float
+        Of the part that no refit of the baseline absorbs.
+    pretended : float
+        Largest drop of the sum of squares it seems to bring to recordings without any effect.
+    """
+
+    length: float
+    distinct: float
+    pretended: float
+
+
+class Pretence:
+    """Signatures of all effects and imitations of the recordings, each worked out once.
+
+    Parameters
+    ----------
+    model, cases, baseline
+        What was fitted to what.
+    progress : callable
+        Told what is being worked out.
+    seed : int
+        Seed of the noise of the imitations.
+
+    Notes
+    -----
+    What smoothing and sampling make of a perfect model is no physics. It is the same, by and
+    large, in every recording that the model makes on the same path, so that a few tell its size.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        cases: Sequence[Case],
+        baseline: Fit,
+        progress: Callable[[str], None],
+        seed: int,
+    ):
+        self._model, self._cases, self._baseline = model, cases, baseline
+        self._progress, self._seed = progress, seed
+        self._copies: dict[Hypothesis, list[Array]] = {}
+        self._visible: dict[Hypothesis, dict[str, Visibility]] = {}
+
+    @cached_property
+    def signatures(self) -> Signatures:
+        """Return what each effect changes, by effect id."""
+        self._progress("working out what each effect would change")
+        return signatures_of(self._model, self._cases, self._baseline)
+
+    def copies(self, fitted: Fit) -> list[Array]:
+        """Return what a fit leaves of recordings that its own rig has made.
+
+        Parameters
+        ----------
+        fitted : Fit
+            Of some hypothesis.
+
+        Returns
+        -------
+        list of (n,) array
+            Weighted residuals of each copy.
+        """
+        if fitted.hypothesis not in self._copies:
+            self._progress("imitating the recordings with what has been found")
+            values = values_in_each(self._cases, self._cases[0], fitted.shared, fitted.own)
+            self._copies[fitted.hypothesis] = [
+                self._imitated(fitted, values, np.random.default_rng((self._seed, draw)))
+                for draw in range(IMITATIONS)
+            ]
+        return self._copies[fitted.hypothesis]
+
+    def _imitated(
+        self, fitted: Fit, values: list[dict[str, float]], rng: np.random.Generator
+    ) -> Array:
+        copies = self._model.imitate(self._cases, values, rng)
+        left = residuals_of(self._model, copies, values)
+        return fitted.weigh([np.nan_to_num(part) for part in left])
+
+    def visible(self, beside: Fit) -> dict[str, Visibility]:
+        """Return how each effect would show in the recordings, by effect id.
+
+        Parameters
+        ----------
+        beside : Fit
+            What it would be added to.
+        """
+        if beside.hypothesis not in self._visible:
+            imitations = [beside.beyond_refit(left) for left in self.copies(beside)]
+            self._visible[beside.hypothesis] = {
+                name: _visibility(beside, variants, imitations)
+                for name, variants in self.signatures.items()
+            }
+        return self._visible[beside.hypothesis]
+
+    def of(self, name: str, beside: Fit, closer: Fit) -> float:
+        """Return what a candidate seems to gain where there is nothing of the kind.
+
+        Parameters
+        ----------
+        name : str
+            The candidate.
+        beside, closer : Fit
+            Without and with it.
+
+        Returns
+        -------
+        float
+            The larger of what its signatures and what it does at its fitted size would gain.
+        """
+        if "imitations" in self._model.without:
+            return 0.0
+        change = beside.weigh(beside.residuals) - beside.weigh(closer.residuals)
+        scale = closer.row_scale() / beside.row_scale()
+        columns = closer.sensitivities(name) * scale[:, np.newaxis]
+        span = orthonormal(beside.beyond_refit(np.column_stack([change, columns])))
+        left = [beside.beyond_refit(copy) for copy in self.copies(beside)]
+        fitted = max((most_gained([span], copy) for copy in left), default=0.0)
+        shown = self.visible(beside)
+        return max(fitted, shown[name].pretended if name in shown else 0.0)
+
+
+def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:
+    basis, scale = base.absorbed, base.row_scale()
+    first = weighted(base, scale, variants[0][:, :1])[:, 0]
+    rest = first - basis @ (basis.T @ first)
+    spans = spans_beyond(base, scale, variants, basis)
+    pretended = max((most_gained(spans, left) for left in imitations), default=0.0)
+    return Visibility(float(np.linalg.norm(first)), float(np.linalg.norm(rest)), pretended)

@@ -1,0 +1,120 @@
+"""What each effect would change in recordings, and what of that a refit would not absorb."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit, orthonormal
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.problem import values_in
+from pneuservo.effects import Effect
+
+_STEP = 1e-3
+"""Share of a shape parameter's range by which it is moved to see what it does."""
+_RUNAWAY = 1e9
+
+Signatures = Mapping[str, Sequence[Array]]
+"""Effect id to what it changes in all residuals, one array of columns per combination of starts."""
+
+
+def signatures_of(model: Model, cases: Sequence[Case], base: Fit) -> dict[str, list[Array]]:
+    """Return what each effect of a rig changes in the residuals.
+
+    Parameters
+    ----------
+    model, cases
+        What is fitted to what.
+    base : Fit
+        The fitted baseline.
+
+    Returns
+    -------
+    dict of str to list of (n, k) array
+        Per combination of an effect's starts: the change at the start, and by a step of each
+        further parameter [unit of the cases].
+    """
+    return {effect.id: _signatures(model, cases, base, effect) for effect in model.effects}
+
+
+def weighted(base: Fit, scale: Array, columns: Array) -> Array:
+    """Return columns counted in the spread of the residuals; tolerated values stay as they are.
+
+    Parameters
+    ----------
+    base : Fit
+        What they are changes of.
+    scale : (n,) array
+        What each residual counts as one.
+    columns : (n, k) array
+        Changes of all residuals.
+
+    Returns
+    -------
+    (n + t, k) array
+        Rows as those of the fit's `sensitivity`.
+    """
+    rows = np.zeros((len(base.distance), columns.shape[1]))
+    return np.vstack([columns / scale[:, np.newaxis], rows])
+
+
+def spans_beyond(base: Fit, scale: Array, variants: Sequence[Array], basis: Array) -> list[Array]:
+    """Return orthonormal bases of what of a signature a refit does not absorb.
+
+    Parameters
+    ----------
+    base, scale
+        As for `weighted`.
+    variants : sequence of (n, k) array
+        One signature from several starts.
+    basis : (n + t, m) array
+        Of what a refit absorbs.
+    """
+    spans = []
+    for variant in variants:
+        columns = weighted(base, scale, variant)
+        rest = columns - basis @ (basis.T @ columns)
+        whole = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
+        kept = np.linalg.norm(rest, axis=0) > 1e-6 * whole
+        if kept.any():
+            spans.append(orthonormal(rest[:, kept]))
+    return spans
+
+
+def most_gained(spans: Sequence[Array], left: Array) -> float:
+    """Return the largest drop of a sum of squares that one of several spans gives.
+
+    Parameters
+    ----------
+    spans : sequence of (n, k) array
+        Orthonormal.
+    left : (n,) array
+        What is to be explained.
+    """
+    return max((float(np.sum((span.T @ left) ** 2)) for span in spans), default=0.0)
+
+
+def _signatures(model: Model, cases: Sequence[Case], base: Fit, effect: Effect) -> list[Array]:
+    found = []
+    for starts in itertools.product(*(p.starts for p in effect.parameters)):
+        values = {effect.key(p.name): s for p, s in zip(effect.parameters, starts, strict=True)}
+        whole = _change(model, cases, base, values)
+        columns = [whole]
+        for parameter in effect.parameters[1:]:
+            key = effect.key(parameter.name)
+            step = _STEP * (parameter.high - parameter.low)
+            step = step if values[key] + step <= parameter.high else -step
+            columns.append(_change(model, cases, base, {**values, key: values[key] + step}) - whole)
+        found.append(np.column_stack(columns))
+    return found
+
+
+def _change(model: Model, cases: Sequence[Case], base: Fit, values: dict[str, float]) -> Array:
+    parts = []
+    for case, own in zip(cases, base.own, strict=True):
+        known = values_in(case, cases[0], base.shared, own)
+        with np.errstate(all="ignore"):
+            change = model.predict(case, known | values) - model.predict(case, known)
+        parts.append(np.clip(np.nan_to_num(change[case.usable]), -_RUNAWAY, _RUNAWAY))
+    return np.concatenate(parts)
