@@ -65,8 +65,8 @@ def ask(used: Sequence[Path], held_back: Sequence[Path], folder: Path, without: 
         words += ["--validate", *map(str, held_back)]
     if without:
         words += ["--without", without]
-    words += ["--out", str(folder), "--json"]
     # One diagnosis per processor: its own threads would only wait for each other.
+    words += ["--jobs", "1", "--out", str(folder), "--json"]
     surroundings = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     start = time.monotonic()
     try:

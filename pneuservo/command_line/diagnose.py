@@ -91,6 +91,11 @@ Examples:
     "--seed", type=int, default=0, show_default=True, help="Seed of the noise chance is judged by."
 )
 @click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    help="Fits at a time; the answer does not depend on it.  [default: one per processor]",
+)
+@click.option(
     "--without",
     multiple=True,
     metavar="PART",
@@ -106,6 +111,7 @@ def command(
     validate_window: tuple[float, float] | None,
     out: Path,
     seed: int,
+    jobs: int | None,
     without: tuple[str, ...],
     as_json: bool,
 ) -> None:
@@ -115,12 +121,13 @@ def command(
     answer, whatever it is; 2 for unusable input; 3 when a fit failed.
     """
     from pneuservo.diagnosis import diagnose
+    from pneuservo.simulation.trials import processors
 
     with progress() as step:
         step("reading the recordings")
         used = [_read(path, rig, window) for path in recordings]
         held_back = [_read(path, rig, validate_window) for path in validate]
-        found = diagnose(used, held_back, rig, step, seed, without)
+        found = diagnose(used, held_back, rig, step, seed, without, jobs or processors())
         step("writing the report")
         answer = write_answer(found, out)
     if as_json:

@@ -134,6 +134,7 @@ def diagnose(
     progress: Callable[[str], None] = lambda step: None,
     seed: int = 0,
     without: Sequence[str] = (),
+    jobs: int = 1,
 ) -> Diagnosis:
     """Compare recordings of one rig with its baseline and say what the baseline lacks.
 
@@ -151,6 +152,8 @@ def diagnose(
         Seed of the noise that chance is judged by.
     without : sequence of str, optional
         Parts of the diagnosis of a servo that are left out, of `PARTS`.
+    jobs : int, optional
+        So many fits at a time; the answer does not depend on it.
 
     Returns
     -------
@@ -178,7 +181,7 @@ def diagnose(
         [case for recording in group for case in _prepare(model, recording, chosen_rig)]
         for group in (recordings, validate)
     )
-    search = Search(model, cases, progress, seed)
+    search = Search(model, cases, progress, seed, jobs)
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
@@ -204,7 +207,13 @@ def _unexplained(search: Search) -> Unexplained | None:
         return None
     search.progress("looking for what has no name")
     found = find_unexplained(
-        model, cases, model.tables(cases), search.baseline, search.chosen, search.pretence.copies
+        model,
+        cases,
+        model.tables(cases),
+        search.baseline,
+        search.chosen,
+        search.pretence.copies,
+        search.jobs,
     )
     if found is not None and found.instead:
         search.give_up()

@@ -53,6 +53,8 @@ class Pretence:
         Told what is being worked out.
     seed : int
         Seed of the noise of the imitations.
+    jobs : int, optional
+        So many effects at a time.
 
     Notes
     -----
@@ -67,9 +69,10 @@ class Pretence:
         baseline: Fit,
         progress: Callable[[str], None],
         seed: int,
+        jobs: int = 1,
     ):
         self._model, self._cases, self._baseline = model, cases, baseline
-        self._progress, self._seed = progress, seed
+        self._progress, self._seed, self._jobs = progress, seed, jobs
         self._copies: dict[Hypothesis, list[Array]] = {}
         self._visible: dict[Hypothesis, dict[str, Visibility]] = {}
 
@@ -77,7 +80,7 @@ class Pretence:
     def signatures(self) -> Signatures:
         """Return what each effect changes, by effect id."""
         self._progress("working out what each effect would change")
-        return signatures_of(self._model, self._cases, self._baseline)
+        return signatures_of(self._model, self._cases, self._baseline, self._jobs)
 
     def copies(self, fitted: Fit) -> list[Array]:
         """Return what a fit leaves of recordings that its own rig has made.

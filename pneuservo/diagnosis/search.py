@@ -27,6 +27,7 @@ from pneuservo.diagnosis.noise import noise_floor, resolution
 from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.profile import with_profiles
 from pneuservo.diagnosis.screen import promising
+from pneuservo.diagnosis.side_by_side import side_by_side
 
 SUREST = 0.99
 """Largest probability that is claimed: the catalogue never holds everything."""
@@ -47,6 +48,8 @@ class Search:
         Told what is being fitted.
     seed : int, optional
         Seed of the noise that chance is judged by.
+    jobs : int, optional
+        So many fits at a time, of a model that is run by kernels.
 
     Attributes
     ----------
@@ -66,6 +69,7 @@ class Search:
     cases: Sequence[Case]
     progress: Callable[[str], None] = lambda step: None
     seed: int = 0
+    jobs: int = 1
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
     accepted: list[str] = field(default_factory=list)
     ledger: list[Step] = field(default_factory=list)
@@ -102,7 +106,7 @@ class Search:
     @cached_property
     def pretence(self) -> Pretence:
         """Return what the method itself pretends, for a model whose sensitivities are steady."""
-        return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed)
+        return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed, self.jobs)
 
     def _worth_fitting(
         self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
@@ -138,6 +142,16 @@ class Search:
             self.progress("fitting " + (" + ".join(hypothesis.members) or "the baseline"))
             self.fits[hypothesis] = fit(self.model, self.cases, hypothesis, near)
         return self.fits[hypothesis]
+
+    def _fitted_with(self, base: Fit, names: Sequence[str]) -> dict[str, Fit]:
+        """Return the fits of a base with each of some candidates added."""
+
+        def add(name: str) -> Fit:
+            return self.fitted(base.hypothesis.adding(name), base)
+
+        # Other models share what they simulate with, and would only wait for each other.
+        jobs = self.jobs if self.model.steady else 1
+        return dict(zip(names, side_by_side(add, names, jobs), strict=True))
 
     def run(self) -> None:
         """Search, and keep what has been found when the user interrupts it.
@@ -228,7 +242,7 @@ class Search:
             return self._in_place_of_so_far(kept)
         rest = self.fitted(self._with(kept))
         names = self._worth_fitting(rest, self._compatible(kept), keep=(member,))
-        return rest, {name: self.fitted(rest.hypothesis.adding(name), rest) for name in names}
+        return rest, self._fitted_with(rest, names)
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
         """Return the same from what had been fitted when the search was interrupted."""
@@ -327,7 +341,7 @@ class Search:
         alone = self.ledger[-1].candidate
         first = self.fitted(self._with([alone]))
         names = self._worth_fitting(first, self._compatible([alone]))
-        tried = {name: self.fitted(first.hypothesis.adding(name), first) for name in names}
+        tried = self._fitted_with(first, names)
         if not tried:
             return None
         name = min(tried, key=lambda candidate: tried[candidate].rms)
@@ -342,7 +356,7 @@ class Search:
     def _best_addition(self) -> str | None:
         current = self.chosen
         names = self._worth_fitting(current, self._compatible(self.accepted))
-        tried = {name: self.fitted(current.hypothesis.adding(name), current) for name in names}
+        tried = self._fitted_with(current, names)
         if not tried:
             return None
         effective = min(tried.values(), key=lambda f: f.rms).effective

@@ -9,6 +9,7 @@ from pneuservo.diagnosis.fit import Fit, orthonormal
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import values_in
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.effects import Effect
 
 _STEP = 1e-3
@@ -19,7 +20,9 @@ Signatures = Mapping[str, Sequence[Array]]
 """Effect id to what it changes in all residuals, one array of columns per combination of starts."""
 
 
-def signatures_of(model: Model, cases: Sequence[Case], base: Fit) -> dict[str, list[Array]]:
+def signatures_of(
+    model: Model, cases: Sequence[Case], base: Fit, jobs: int = 1
+) -> dict[str, list[Array]]:
     """Return what each effect of a rig changes in the residuals.
 
     Parameters
@@ -28,6 +31,8 @@ def signatures_of(model: Model, cases: Sequence[Case], base: Fit) -> dict[str, l
         What is fitted to what.
     base : Fit
         The fitted baseline.
+    jobs : int, optional
+        So many effects at a time.
 
     Returns
     -------
@@ -35,7 +40,9 @@ def signatures_of(model: Model, cases: Sequence[Case], base: Fit) -> dict[str, l
         Per combination of an effect's starts: the change at the start, and by a step of each
         further parameter [unit of the cases].
     """
-    return {effect.id: _signatures(model, cases, base, effect) for effect in model.effects}
+    effects = model.effects
+    found = side_by_side(lambda effect: _signatures(model, cases, base, effect), effects, jobs)
+    return {effect.id: variants for effect, variants in zip(effects, found, strict=True)}
 
 
 def weighted(base: Fit, scale: Array, columns: Array) -> Array:

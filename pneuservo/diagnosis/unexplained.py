@@ -10,10 +10,13 @@ from pneuservo.diagnosis.judge import LEAST_GAIN, OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table
 from pneuservo.diagnosis.problem import residuals_of, values_in_each
+from pneuservo.diagnosis.side_by_side import side_by_side
 
 INSTEAD = 1.3
 """A table that explains so many times what the named effects do, in their place, leaves nothing of
 the names."""
+TURN = 0.2
+"""Share of its size that a curve has to go back to count as turning."""
 WORTH_SAYING = 0.1
 """Beside a named effect a table has to explain this share of all that is explained."""
 
@@ -80,15 +83,23 @@ class Unexplained:
     def form(self) -> str:
         """Return the smoothed shape in words."""
         smooth = smoothed(self.knots, self.values, self.spread)
-        rises = np.diff(smooth)
-        size = float(np.ptp(smooth))
-        if np.all(rises > -0.05 * size):
-            return "growing"
-        if np.all(rises < 0.05 * size):
-            return "falling"
-        place = int(np.argmax(np.abs(smooth - np.median(smooth))))
-        kind = "a hump" if smooth[place] > np.median(smooth) else "a dip"
+        turns = _turns(smooth)
+        if not turns:
+            return "growing" if smooth[-1] > smooth[0] else "falling"
+        if len(turns) > 1:
+            return f"up and down, {len(turns)} turns"
+        place = turns[0]
+        kind = "a hump" if smooth[place] > smooth[0] else "a dip"
         return f"{kind} at {self.knots[place]:.3g} {self.table.unit_of_quantity}".rstrip()
+
+
+def _turns(smooth: Array) -> list[int]:
+    """Return where a curve turns and goes back by a good part of its size."""
+    from scipy.signal import find_peaks
+
+    prominence = TURN * float(np.ptp(smooth))
+    found = [find_peaks(sign * smooth, prominence=prominence)[0] for sign in (1.0, -1.0)]
+    return sorted(int(place) for places in found for place in places)
 
 
 def _name(key: str) -> str:
@@ -105,15 +116,14 @@ def smoothed(knots: Array, values: Array, spread: Array) -> Array:
 
     Notes
     -----
-    A cubic smoothing spline whose penalty generalised cross-validation chooses
-    (`scipy.interpolate.make_smoothing_spline`; Wahba 1990).
+    The smoothest cubic spline that misses the values by no more than their spread
+    (`scipy.interpolate.UnivariateSpline`; Reinsch 1967).
     """
-    from scipy.interpolate import make_smoothing_spline
+    from scipy.interpolate import UnivariateSpline
 
-    weights = 1.0 / np.maximum(spread, 1e-3 * max(float(np.max(np.abs(values))), 1e-300)) ** 2
-    scale = float(knots[-1] - knots[0])
-    spline = make_smoothing_spline((knots - knots[0]) / scale, values, weights / weights.max())
-    return np.asarray(spline((knots - knots[0]) / scale))
+    sigma = np.maximum(spread, 1e-3 * max(float(np.max(np.abs(values))), 1e-300))
+    share = (knots - knots[0]) / float(knots[-1] - knots[0])
+    return np.asarray(UnivariateSpline(share, values, 1.0 / sigma, s=len(knots))(share))
 
 
 def find_unexplained(
@@ -123,6 +133,7 @@ def find_unexplained(
     baseline: Fit,
     chosen: Fit,
     copies: Callable[[Fit], Sequence[Array]],
+    jobs: int = 1,
 ) -> Unexplained | None:
     """Return the table that explains what a model leaves, where it earns its place.
 
@@ -136,6 +147,8 @@ def find_unexplained(
         The re-fitted baseline, and the model with everything that was named.
     copies : callable
         Takes a fit and returns what it leaves of recordings that its own rig has made, weighted.
+    jobs : int, optional
+        So many tables at a time.
 
     Returns
     -------
@@ -149,13 +162,13 @@ def find_unexplained(
     against imitations of the recordings like any named effect. Only where something is left beside
     the names a table may do better in their place.
     """
-    beside = _best(model, cases, tables, chosen, copies(chosen))
+    beside = _best(model, cases, tables, chosen, copies(chosen), jobs)
     if beside is None or not chosen.hypothesis.effects:
         return beside
     named = explained(baseline, chosen)
     if beside.gain < WORTH_SAYING * (beside.gain + named):
         return None
-    instead = _best(model, cases, tables, baseline, copies(baseline))
+    instead = _best(model, cases, tables, baseline, copies(baseline), jobs)
     if instead is not None and instead.gain > INSTEAD * named:
         return replace(instead, instead=True)
     return replace(beside, named_gain=named)
@@ -167,14 +180,13 @@ def _best(
     tables: Sequence[Table],
     base: Fit,
     copies: Sequence[Array],
+    jobs: int,
 ) -> Unexplained | None:
     left = base.beyond_refit(base.weighted)
     imitations = [base.beyond_refit(copy) for copy in copies]
     best: tuple[float, Table, Array, Array] | None = None
-    for table in tables:
-        columns = base.beyond_refit(
-            np.column_stack([_change(model, cases, base, table, k) for k in table.knots])
-        )
+    changes = side_by_side(lambda table: _changes(model, cases, base, table), tables, jobs)
+    for table, columns in zip(tables, changes, strict=True):
         seen = np.linalg.norm(columns, axis=0) > 1e-6
         if not seen.any():
             continue
@@ -189,11 +201,14 @@ def _best(
     return None if best is None else _fitted(model, cases, base, *best)
 
 
-def _change(model: Model, cases: Sequence[Case], base: Fit, table: Table, knot: str) -> Array:
-    """Return what a step of one knot changes in the weighted residuals."""
-    there = {**base.shared, **table.values, knot: table.step}
-    values = values_in_each(cases, cases[0], there, base.own)
-    return base.weighted - base.weigh(residuals_of(model, cases, values))
+def _changes(model: Model, cases: Sequence[Case], base: Fit, table: Table) -> Array:
+    """Return what a step of each knot changes in the weighted residuals beyond a refit."""
+    changes = []
+    for knot in table.knots:
+        there = {**base.shared, **table.values, knot: table.step}
+        values = values_in_each(cases, cases[0], there, base.own)
+        changes.append(base.weighted - base.weigh(residuals_of(model, cases, values)))
+    return base.beyond_refit(np.column_stack(changes))
 
 
 def _fitted(

@@ -14,6 +14,8 @@ from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thi
 
 # For people: a scale, the unit to print, and what is subtracted first.
 _DISPLAY = {"Pa": (1e-5, "bar"), "N": (1.0, "N"), "V": (1e3, "mV"), "m": (1e3, "mm")}
+_CLOSE = 5.0
+"""Residuals within this factor of the noise are drawn on a linear axis."""
 _CHAINS = {
     "dead-volume": ("supply", "valve.flow", "dead-volume", "sensor.pressure"),
     "seal-tester": ("chamber.a", "piston", "load", "sensor.force"),
@@ -180,7 +182,12 @@ def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None
     axes.barh(places, [rms * scale for _, rms, _ in rows], color=[c for *_, c in rows], height=0.7)
     axes.axvline(search.noise_rms * scale, color=MEASURED, lw=1.0, ls="--", label="noise")
     axes.set_yticks(places, [name for name, *_ in rows])
-    axes.set_xscale("log")
+    widest = max(rms for _, rms, _ in rows)
+    if widest < _CLOSE * search.noise_rms:
+        # So close together the marks of a logarithmic axis would lie on top of each other.
+        axes.set_xlim(left=0.95 * scale * min(search.noise_rms, *(rms for _, rms, _ in rows)))
+    else:
+        axes.set_xscale("log")
     axes.set_xlabel(f"left over, root mean square [{unit}]")
     axes.grid(axis="y", visible=False)
     axes.legend(loc="lower right")

@@ -26,6 +26,7 @@ from pneuservo.diagnosis.models.card_stages import (
     surface,
 )
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.effects import Effect
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
@@ -65,8 +66,6 @@ _HEEDED = {
 """Effects and rig parameters that a stage has, beside those that all have."""
 _OWN = "/"
 """Stands between recording, stage and name of an unknown that only they have."""
-_KEPT = 6
-"""Results kept per stage."""
 _LINEARITY = 2e-4
 """What a recorder of 12 bit is linear to, of its range: no smaller misfit is the card's."""
 _NEAR_LIMIT = 0.8
@@ -107,7 +106,7 @@ class AnalogueCardModel(Model):
         feed = card_feed(recording)
         found = []
         for channel in _whole_stages(recording):
-            inputs = {"feed": feed, "weight": _weight(channel, feed), "done": {}}
+            inputs = {"feed": feed, "weight": _weight(channel, feed), "done": Recent()}
             if channel in DIFFERENTIATORS:
                 source = DIFFERENTIATORS[channel][1]
                 recorded = spectrum(feed.signals[source])
@@ -144,13 +143,8 @@ class AnalogueCardModel(Model):
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged tap as its inputs, recorded, should make it [units of its noise]."""
         mine = _heeded(case, values)
-        key = tuple(sorted(mine.items()))
-        done: dict[object, Array] = case.inputs["done"]
-        if key not in done:
-            while len(done) >= _KEPT:
-                done.pop(next(iter(done)))
-            done[key] = _weighed(case, _stage(case, mine))
-        return done[key]
+        done: Recent = case.inputs["done"]
+        return done.get(tuple(sorted(mine.items())), lambda: _weighed(case, _stage(case, mine)))
 
     def tap(self, case: Case, values: Values) -> Array:
         """Return the judged tap as its inputs, recorded, should make it, unweighed [V]."""

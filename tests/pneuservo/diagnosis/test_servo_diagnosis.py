@@ -30,6 +30,9 @@ def test_a_wrong_mass_is_a_parameter_and_no_physics():
     mass = answer["corrected_parameters"]["load.mass"]
     assert mass["value"] == pytest.approx(heavy["load.mass"], rel=0.02)
     assert [entry["block"] for entry in answer["located"]] == ["load"]
+    # Two fits at a time give the same answer to the last digit.
+    both = diagnose([recorded(heavy, Proportional(), 3)], jobs=2)
+    assert document(both) == answer
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,7 @@ def shaped(values, spread=0.01):
         (-(KNOTS**2), "falling"),
         (np.exp(-((KNOTS - 4.0) ** 2)), "a hump at 4 m"),
         (-np.exp(-((KNOTS - 4.0) ** 2)), "a dip at 4 m"),
+        (np.cos(np.pi * KNOTS / 2.0), "up and down, 3 turns"),
     ],
 )
 def test_the_shape_is_said_in_words(values, form):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
 from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
 from pneuservo.rigs import Rig
@@ -46,4 +47,4 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
         The baseline.
     """
     gains, shares, _, _ = learn_to_observe(fed, rig)
-    return replace(fed, gains=gains, shares=shares, done={})
+    return replace(fed, gains=gains, shares=shares, done=Recent())

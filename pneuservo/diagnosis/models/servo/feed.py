@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
 from pneuservo.diagnosis.noise import noise_floor
@@ -71,7 +72,7 @@ class Feed:
         What each innovation corrects, in the observer.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
-    done : dict
+    done : Recent
         Results of the last few runs, one for all channels.
     """
 
@@ -93,7 +94,7 @@ class Feed:
     spread_of_force: float
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
-    done: dict[object, Array] = field(default_factory=dict, repr=False)
+    done: Recent = field(default_factory=Recent, repr=False)
 
 
 def feed(recording: Recording, rig: Rig) -> Feed:
@@ -177,7 +178,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         held=_held(motion[1], STICKING * reversal, interval) | touching,
         reversal=reversal,
         touching=touching,
-        done={},
+        done=Recent(),
     )
     return replace(moved, spread=_spread(moved, rig))
 
@@ -250,5 +251,5 @@ def held_command(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The rig it was taken on.
     """
-    held = replace(fed, ramped=False, done={})
+    held = replace(fed, ramped=False, done=Recent())
     return replace(held, spread=_spread(held, rig))

@@ -26,8 +26,6 @@ _REVERSAL_SPREAD = 1.0
 """How well it is known."""
 _MEDIAN = 0.455
 """Of the square of a standard normal variable."""
-_KEPT = 4
-"""Results kept per recording."""
 
 
 class ServoModel(Model):
@@ -183,11 +181,4 @@ def _unlikeliness(fed: Feed, rig: Rig, calm: NDArray[np.bool_]) -> float:
 
 def _innovations(fed: Feed, values: Values, rig: Rig) -> Array:
     """Return the innovations of all channels, worked out once for all of them."""
-    heeded = tuple(sorted(values.items()))
-    if heeded not in fed.done:
-        while len(fed.done) >= _KEPT:
-            fed.done.pop(next(iter(fed.done)))
-        fed.done[heeded] = run_observer(fed, values, rig)
-    # What is asked for again, such as what changes are held against, is kept longest.
-    fed.done[heeded] = fed.done.pop(heeded)
-    return fed.done[heeded]
+    return fed.done.get(tuple(sorted(values.items())), lambda: run_observer(fed, values, rig))
