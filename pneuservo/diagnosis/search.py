@@ -178,7 +178,12 @@ class Search:
         Chance is judged last, by what the final model leaves: while a second effect is still in
         the residual, it would pass for noise and shield the first.
         """
-        while len(self.accepted) < MOST_EFFECTS and self._worth_going_on:
+        seen: set[frozenset[str]] = set()
+        # What is revised may come back to where it was: then it would go round for ever.
+        while len(self.accepted) < MOST_EFFECTS and frozenset(self.accepted) not in seen:
+            seen.add(frozenset(self.accepted))
+            if not self._worth_going_on:
+                break
             best = self._best_addition()
             if best is not None:
                 self.accepted.append(best)
