@@ -311,6 +311,9 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         for block, part in search.model.suspects(search.cases, left, search.noise).items():
             blame(block, rest * part, np.concatenate(left) ** 2)
     total = sum(shares.values())
+    if total <= 0.0:
+        # So little that none of them stands out.
+        shares, total = dict.fromkeys(shares, 1.0), float(len(shares))
     located = [
         {
             "block": block,
@@ -394,7 +397,9 @@ def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _held_back(channel: str, found: Fit | None, cases: Sequence[Case]) -> float | None:
-    return None if found is None else _rms_in(channel, found.residuals, cases)
+    if found is None or channel not in found.channels:
+        return None
+    return _rms_in(channel, found.residuals, cases)
 
 
 def _rms_in(channel: str, residuals: Sequence[Any], cases: Sequence[Case]) -> float:

@@ -47,7 +47,8 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     if diagnosis.before_held_back and diagnosis.after_held_back:
         pair = (diagnosis.before_held_back, diagnosis.after_held_back)
         channel = search.cases[worst].channel
-        same = next(i for i, case in enumerate(diagnosis.held_back) if case.channel == channel)
+        judged = [case.channel for case in diagnosis.held_back]
+        same = judged.index(channel) if channel in judged else 0
         shown.append(("held back", same, diagnosis.held_back[same], *pair))
     curves = [
         (

@@ -4,14 +4,17 @@ The truth of the planted effects is that of `pneuservo.challenge`: other equatio
 the laws, another integrator.
 """
 
+import numpy as np
 import pytest
-from servo_recordings import recorded
+from servo_recordings import NOISE, recorded
 
 from pneuservo.challenge.cases import make_case
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis import diagnose, document, repaired_model
-from pneuservo.recordings import read_recording
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording, read_recording
 from pneuservo.rigs import load_rig
+from pneuservo.simulation import simulate
 
 
 @pytest.mark.parametrize(("controller", "seed"), [(Proportional(), 1), (SlidingMode(), 2)])
@@ -33,6 +36,29 @@ def test_a_wrong_mass_is_a_parameter_and_no_physics():
     # Two fits at a time give the same answer to the last digit.
     both = diagnose([recorded(heavy, Proportional(), 3)], jobs=2)
     assert document(both) == answer
+
+
+def resting(channels):
+    """Return a recording of a piston that rests all the time."""
+    time = np.arange(0.0, 2.0, 1e-3)
+    run = simulate(
+        load_rig("single-axis"), time=time, controller=Proportional(), demand=np.full(2000, 0.015)
+    )
+    rng = np.random.default_rng(7)
+    noisy = {name: run[name] + rng.normal(0.0, NOISE[name], len(time)) for name in channels}
+    return Recording("rest", time, noisy | {"valve_voltage": run["valve_voltage"]})
+
+
+def test_a_piston_at_rest_is_judged_by_its_pressures_alone():
+    found = diagnose([resting(NOISE)], [resting(NOISE)])
+    answer = document(found)
+    assert answer["verdict"] == "consistent"
+    assert set(answer["fit"]["channels"]) == {"pressure_a", "pressure_b"}
+
+
+def test_a_piston_at_rest_without_pressures_is_refused():
+    with pytest.raises(InputError, match="does not move"):
+        diagnose([resting(["displacement"])])
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,8 @@ STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
 HELD_FOR = 8e-3
 """... for this long counts as held [s]."""
+AT_REST = 1.5
+"""A piston never moves whose displacement spreads by less than this many times its noise."""
 SLOWEST_MOTION = 5e-4
 """A velocity is never taken to be known better than this [m/s]."""
 NEAR_STOP = 5e-4
@@ -170,6 +172,11 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         (force_rms or 0.0) / mass,
     )
     motion, reversal = np.array(smoothed), max(float(uncertainty), SLOWEST_MOTION)
+    if np.nanstd(fed.reading) < AT_REST * fed.noise["displacement"]:
+        # Of a piston that never moves only noise would be taken for motion.
+        motion = np.array(
+            [np.full_like(fed.time, np.mean(motion[0])), *np.zeros((2, len(fed.time)))]
+        )
     interval = float(np.median(np.diff(fed.time)))
     touching = _touching(motion[0], interval, rig["piston.stroke"])
     moved = replace(

@@ -19,6 +19,8 @@ from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
+_FEWEST = 50
+"""Samples below which a channel is not judged: a piston that rests all the time tells nothing."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
@@ -68,6 +70,8 @@ class ServoModel(Model):
             usable = np.isfinite(recording[channel])
             if channel == "displacement":
                 usable = usable & ~fed.held
+            if np.count_nonzero(usable) < _FEWEST:
+                continue
             found.append(
                 Case(
                     recording,
@@ -80,6 +84,11 @@ class ServoModel(Model):
                     unit,
                     noise,
                 )
+            )
+        if not found:
+            raise InputError(
+                f"{recording.source or recording.name}: the piston does not move and no pressure "
+                "was recorded: there is nothing to judge; record both pressures, or a motion"
             )
         return found
 
