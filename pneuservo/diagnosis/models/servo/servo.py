@@ -183,7 +183,8 @@ def _unlikeliness(fed: Feed, rig: Rig, calm: NDArray[np.bool_]) -> float:
     total = 0.0
     for squares, shares, seen in zip(square, fed.shares.T, there, strict=True):
         if seen.any():
-            level = max(1.0, float(np.median(squares[seen & calm])) / _MEDIAN)
+            quiet = squares[seen & calm]
+            level = max(1.0, float(np.median(quiet)) / _MEDIAN) if len(quiet) else 1.0
             total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
     return total
 
