@@ -100,7 +100,7 @@ def varied_rig(rig: Rig, values: Mapping[str, float]) -> Rig:
     values : mapping of str to float
         By the names of `variable_parameters`; those of others are left alone.
     """
-    return rig.with_values({n: v for n, v in values.items() if n in rig.parameters or ":" in n})
+    return rig.with_own_values(values)
 
 
 def varied_design(design: Design, values: Mapping[str, float]) -> Design:

@@ -10,7 +10,7 @@ from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.judge import SMALLEST_SHARE, UNDECIDED
 from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
 from pneuservo.diagnosis.models import Case
-from pneuservo.diagnosis.problem import values_in
+from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.diagnosis.search import SUREST, Search
 from pneuservo.diagnosis.sessions import between_sessions, session_of
 from pneuservo.diagnosis.unexplained import Unexplained
@@ -349,10 +349,7 @@ def _block(search: Search, member: str) -> str:
     if member not in CATALOGUE:
         return member.removeprefix("param.").rpartition(".")[0] or search.model.block
     chosen, first = search.chosen, search.cases[0]
-    values = [
-        values_in(case, first, chosen.shared, own)
-        for case, own in zip(search.cases, chosen.own, strict=True)
-    ]
+    values = values_in_each(search.cases, first, chosen.shared, chosen.own)
     return search.model.block_of(effect_by_id(member, search.model.kind), search.cases, values)
 
 

@@ -92,8 +92,8 @@ class Pretence:
 
         Returns
         -------
-        list of (n,) array
-            Weighted residuals of each copy.
+        list of (n + t,) array
+            Weighted residuals of each copy beyond a refit; see `Fit.beyond_refit`.
         """
         if fitted.hypothesis not in self._copies:
             self._progress("imitating the recordings with what has been found")
@@ -109,7 +109,7 @@ class Pretence:
     ) -> Array:
         copies = self._model.imitate(self._cases, values, rng)
         left = residuals_of(self._model, copies, values)
-        return fitted.weigh([np.nan_to_num(part) for part in left])
+        return fitted.beyond_refit(fitted.weigh([np.nan_to_num(part) for part in left]))
 
     def visible(self, beside: Fit) -> dict[str, Visibility]:
         """Return how each effect would show in the recordings, by effect id.
@@ -120,7 +120,7 @@ class Pretence:
             What it would be added to.
         """
         if beside.hypothesis not in self._visible:
-            imitations = [beside.beyond_refit(left) for left in self.copies(beside)]
+            imitations = self.copies(beside)
             self._visible[beside.hypothesis] = {
                 name: _visibility(beside, variants, imitations)
                 for name, variants in self.signatures.items()
@@ -144,12 +144,11 @@ class Pretence:
         """
         if "imitations" in self._model.without:
             return 0.0
-        change = beside.weigh(beside.residuals) - beside.weigh(closer.residuals)
+        change = beside.weighted - beside.weigh(closer.residuals)
         scale = closer.row_scale() / beside.row_scale()
         columns = closer.sensitivities(name) * scale[:, np.newaxis]
         span = orthonormal(beside.beyond_refit(np.column_stack([change, columns])))
-        left = [beside.beyond_refit(copy) for copy in self.copies(beside)]
-        fitted = max((most_gained([span], copy) for copy in left), default=0.0)
+        fitted = max((most_gained([span], copy) for copy in self.copies(beside)), default=0.0)
         shown = self.visible(beside)
         return max(fitted, shown[name].pretended if name in shown else 0.0)
 

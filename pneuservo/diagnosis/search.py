@@ -180,10 +180,12 @@ class Search:
         """
         seen: set[frozenset[str]] = set()
         # What is revised may come back to where it was: then it would go round for ever.
-        while len(self.accepted) < MOST_EFFECTS and frozenset(self.accepted) not in seen:
+        while (
+            len(self.accepted) < MOST_EFFECTS
+            and frozenset(self.accepted) not in seen
+            and self._worth_going_on
+        ):
             seen.add(frozenset(self.accepted))
-            if not self._worth_going_on:
-                break
             best = self._best_addition()
             if best is not None:
                 self.accepted.append(best)
@@ -271,21 +273,21 @@ class Search:
         for member in list(self.accepted[:-1]):
             found = self.rivals(member)
             own = next(rival for rival in found if rival.candidate == member)
+            absent = next(rival for rival in found if not rival.candidate)
             better = [rival for rival in found if rival.evidence < own.evidence - TIED]
-            best = next((rival for rival in better if self._may_replace(member, rival)), None)
+            best = next((r for r in better if self._may_replace(member, r, absent)), None)
             if best is None:
                 continue
             place = self.accepted.index(member)
             self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
             self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
 
-    def _may_replace(self, member: str, rival: Rival) -> bool:
+    def _may_replace(self, member: str, rival: Rival, absent: Rival) -> bool:
         """Return whether a rival earns its place where a member would leave it."""
         if not self.model.steady or not rival.candidate:
             return True
         rest = self.fitted(self._with([m for m in self.accepted if m != member]))
-        absent = next(r.evidence for r in self.rivals(member) if not r.candidate)
-        drop = absent - rival.evidence
+        drop = absent.evidence - rival.evidence
         closer = self.fitted(rest.hypothesis.adding(rival.candidate), rest)
         return self._judge(rest).earns(rival.candidate, closer, drop)
 

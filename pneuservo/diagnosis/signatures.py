@@ -106,22 +106,45 @@ def _signatures(model: Model, cases: Sequence[Case], base: Fit, effect: Effect) 
     found = []
     for starts in itertools.product(*(p.starts for p in effect.parameters)):
         values = {effect.key(p.name): s for p, s in zip(effect.parameters, starts, strict=True)}
-        whole = _change(model, cases, base, values)
+        whole = change_by(model, cases, base, values)
         columns = [whole]
         for parameter in effect.parameters[1:]:
             key = effect.key(parameter.name)
             step = _STEP * (parameter.high - parameter.low)
             step = step if values[key] + step <= parameter.high else -step
-            columns.append(_change(model, cases, base, {**values, key: values[key] + step}) - whole)
+            columns.append(
+                change_by(model, cases, base, {**values, key: values[key] + step}) - whole
+            )
         found.append(np.column_stack(columns))
     return found
 
 
-def _change(model: Model, cases: Sequence[Case], base: Fit, values: dict[str, float]) -> Array:
+def change_by(
+    model: Model,
+    cases: Sequence[Case],
+    base: Fit,
+    values: Mapping[str, float],
+    most: float = _RUNAWAY,
+) -> Array:
+    """Return what other values change in the residuals of all cases, usable samples only.
+
+    Parameters
+    ----------
+    model, cases, base
+        What was fitted to what.
+    values : mapping of str to float
+        In place of those of the fit, or beside them.
+    most : float, optional
+        Largest change of a sample [unit of the cases].
+
+    Notes
+    -----
+    An effect of absurd size may run away; its direction is all that is asked for.
+    """
     parts = []
     for case, own in zip(cases, base.own, strict=True):
         known = values_in(case, cases[0], base.shared, own)
         with np.errstate(all="ignore"):
-            change = model.predict(case, known | values) - model.predict(case, known)
-        parts.append(np.clip(np.nan_to_num(change[case.usable]), -_RUNAWAY, _RUNAWAY))
+            change = model.predict(case, {**known, **values}) - model.predict(case, known)
+        parts.append(np.clip(np.nan_to_num(change[case.usable]), -most, most))
     return np.concatenate(parts)

@@ -149,7 +149,8 @@ def find_unexplained(
     baseline, chosen : Fit
         The re-fitted baseline, and the model with everything that was named.
     copies : callable
-        Takes a fit and returns what it leaves of recordings that its own rig has made, weighted.
+        Takes a fit and returns what it leaves of recordings that its own rig has made, beyond a
+        refit.
     jobs : int, optional
         So many tables at a time.
 
@@ -186,7 +187,6 @@ def _best(
     jobs: int,
 ) -> Unexplained | None:
     left = base.beyond_refit(base.weighted)
-    imitations = [base.beyond_refit(copy) for copy in copies]
     best: tuple[float, Table, Array, Array] | None = None
     changes = side_by_side(lambda table: _changes(model, cases, base, table), tables, jobs)
     for table, columns in zip(tables, changes, strict=True):
@@ -195,7 +195,7 @@ def _best(
             continue
         span = np.linalg.qr(columns[:, seen])[0]
         gain = float(np.sum((span.T @ left) ** 2))
-        pretended = max((float(np.sum((span.T @ copy) ** 2)) for copy in imitations), default=0.0)
+        pretended = max((float(np.sum((span.T @ copy) ** 2)) for copy in copies), default=0.0)
         if gain <= max(LEAST_GAIN, OVER_IMITATIONS * pretended, best[0] if best else 0.0):
             continue
         steps = np.asarray(np.linalg.lstsq(columns, left, rcond=1e-6)[0], dtype=np.float64)
@@ -206,11 +206,11 @@ def _best(
 
 def _changes(model: Model, cases: Sequence[Case], base: Fit, table: Table) -> Array:
     """Return what a step of each knot changes in the weighted residuals beyond a refit."""
-    changes = []
+    changes, here = [], base.weighted
     for knot in table.knots:
         there = {**base.shared, **table.values, knot: table.step}
         values = values_in_each(cases, cases[0], there, base.own)
-        changes.append(base.weighted - base.weigh(residuals_of(model, cases, values)))
+        changes.append(here - base.weigh(residuals_of(model, cases, values)))
     return base.beyond_refit(np.column_stack(changes))
 
 

@@ -1,13 +1,11 @@
 """What these recordings could show, and what they cannot tell apart."""
 
-from typing import Any
-
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.signatures import change_by
 from pneuservo.effects import Effect
 
 DETECTABLE = 4.0
@@ -128,26 +126,15 @@ def _signature_at_full_size(search: Search, found: Fit, effect: Effect) -> Array
     size = effect.parameters[0]
     full = size.high if abs(size.high) >= abs(size.low) else size.low
     values = {effect.key(p.name): p.starts[0] for p in effect.parameters[1:]}
-    return _difference(search, found, {**values, effect.key(size.name): full})
+    values[effect.key(size.name)] = full
+    return change_by(search.model, search.cases, found, values, _RUNAWAY)
 
 
 def _sensitivity(search: Search, found: Fit, parameter: str) -> Array:
     value = found.shared[parameter]
     step = 1e-4 * (abs(value) or search.cases[0].rig.parameters[parameter].tolerance)
-    return _difference(search, found, {parameter: value + step})
-
-
-def _difference(search: Search, found: Fit, changed: dict[str, Any]) -> Array:
-    parts = []
-    for case, own in zip(search.cases, found.own, strict=True):
-        values = values_in(case, search.cases[0], found.shared, own)
-        with np.errstate(all="ignore"):
-            change = search.model.predict(case, {**values, **changed}) - search.model.predict(
-                case, values
-            )
-        # An effect of absurd size may run away; its direction is all that is asked for.
-        parts.append(np.clip(np.nan_to_num(change[case.usable]), -_RUNAWAY, _RUNAWAY))
-    return np.concatenate(parts)
+    changed = {parameter: value + step}
+    return change_by(search.model, search.cases, found, changed, _RUNAWAY)
 
 
 def cosine(one: Array, other: Array) -> float:

@@ -140,6 +140,17 @@ class Rig:
             parameters[key] = replace(parameters[key], value=value)
         return replace(self, parameters=parameters, effects=effects)
 
+    def with_own_values(self, values: Mapping[str, float]) -> "Rig":
+        """Return the rig with its share of some values; those of others are left alone.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            By parameter id and ``effect:parameter``, as `with_values` takes them, among others.
+        """
+        own = {k: v for k, v in values.items() if k in self.parameters or ":" in k}
+        return self.with_values(own)
+
     def with_conditions(self, conditions: Mapping[str, float]) -> "Rig":
         """Return the rig with what was measured for one run.
 

@@ -139,8 +139,7 @@ class ServoModel(Model):
             fed: Feed = case.inputs["feed"]
             if id(fed) not in copies:
                 zero = mine.get(ZERO_FORCE, 0.0)
-                known = {k: v for k, v in mine.items() if k in case.rig.parameters or ":" in k}
-                rig = case.rig.with_values(known)
+                rig = case.rig.with_own_values(mine)
                 try:
                     copies[id(fed)] = imitated(fed, case.recording, rig, zero, rng)
                 except InputError:
