@@ -163,13 +163,16 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     driving = None
     if force_rms is not None:
         areas = rig["piston.area_a"], rig["piston.area_b"]
-        driving = (areas[0] * fed.pressures[0] - areas[1] * fed.pressures[1] - fed.force) / mass
+        gauge = fed.pressures - rig["ambient.pressure"]
+        driving = (areas[0] * gauge[0] - areas[1] * gauge[1] - fed.force) / mass
+        driving += rig["load.gravity"]
     *smoothed, uncertainty = smooth_motion(
         fed.time,
         fed.reading,
         fed.noise["displacement"],
         driving,
         (force_rms or 0.0) / mass,
+        rig["piston.coulomb_friction"] / mass,
     )
     motion, reversal = np.array(smoothed), max(float(uncertainty), SLOWEST_MOTION)
     if np.nanstd(fed.reading) < AT_REST * fed.noise["displacement"]:

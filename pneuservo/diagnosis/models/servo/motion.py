@@ -13,10 +13,23 @@ FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2] ..."""
 FORCE_CHANGE_TIME = 5e-3
 """... within this time [s]; the one that makes the recorded displacement likeliest is taken."""
+REST_CHANGE = 0.02
+"""The same of a piston that sticks, whatever the pressures do: presliding and creep [m/s^2]."""
+REST_TIME = 0.1
+"""Time over which it has to look at rest [s] ..."""
+REST_FORCE = 3.0
+"""... and over which the pressures' force may exceed the Coulomb friction, in its own noise."""
+FORCE_SMOOTHING = 5e-3
+"""Time over which their force is averaged [s]."""
 
 
 def smooth_motion(
-    time: Array, displacement: Array, noise_rms: float, driving: Array | None, driving_rms: float
+    time: Array,
+    displacement: Array,
+    noise_rms: float,
+    driving: Array | None,
+    driving_rms: float,
+    friction: float,
 ) -> tuple[Array, Array, Array, float]:
     """Return displacement, velocity and acceleration without the displacement's noise.
 
@@ -32,6 +45,8 @@ def smooth_motion(
         Acceleration that the measured pressures would give without friction [m/s^2].
     driving_rms : float
         Noise of that acceleration [m/s^2].
+    friction : float
+        Acceleration that the Coulomb friction takes [m/s^2].
 
     Returns
     -------
@@ -45,7 +60,9 @@ def smooth_motion(
     Kalman filter and Rauch-Tung-Striebel smoother (Rauch, Tung and Striebel 1965) for
     acceleration = driving + disturbance, the disturbance a random walk that takes up friction,
     gravity and a wrong mass. The pressures carry the fast part of the acceleration, so that no
-    cut-off has to be chosen.
+    cut-off has to be chosen. While the piston sticks they do not move it, and what their noise
+    makes of its velocity would go on into the chambers: there a second smoother, without them,
+    takes over, as far as it makes the readings likelier.
     """
     known = np.zeros_like(time) if driving is None else driving
     start = float(displacement[np.isfinite(displacement)][0])
@@ -60,9 +77,42 @@ def smooth_motion(
         )
         for change in FORCE_CHANGES
     ]
-    states, variance, _ = max(smoothed, key=lambda found: found[2])
+    states, variance, likelihood = max(smoothed, key=lambda found: np.sum(found[2]))
     known_to = float(np.sqrt(np.median(variance)))
-    return states[:, 0] + start, states[:, 1], states[:, 2] + known, known_to
+    moving = np.column_stack([states[:, :2], states[:, 2] + known])
+    resting, _, rest_likelihood = _smooth(
+        time,
+        displacement - start,
+        max(noise_rms, 1e-9) ** 2,
+        np.zeros_like(time),
+        0.0,
+        REST_CHANGE**2 / FORCE_CHANGE_TIME,
+    )
+    interval = float(np.median(np.diff(time)))
+    average = max(1, round(FORCE_SMOOTHING / interval))
+    most = friction + REST_FORCE * driving_rms / math.sqrt(average)
+    share = _at_rest(rest_likelihood - likelihood, interval)
+    share[_largest(known, average, max(1, round(REST_TIME / interval))) > most] = 0.0
+    motion = moving + share[:, np.newaxis] * (resting - moving)
+    return motion[:, 0] + start, motion[:, 1], motion[:, 2], known_to
+
+
+def _at_rest(likelier: Array, interval: float) -> Array:
+    """Return the probability that the piston rests, from how much likelier that makes readings."""
+    from scipy.ndimage import uniform_filter1d
+    from scipy.special import expit
+
+    width = max(1, round(REST_TIME / interval))
+    return np.asarray(expit(width * uniform_filter1d(likelier, width, mode="nearest")))
+
+
+def _largest(driving: Array, average: int, width: int) -> Array:
+    """Return the largest averaged size around each sample."""
+    from scipy.ndimage import maximum_filter1d, uniform_filter1d
+
+    return np.asarray(
+        maximum_filter1d(np.abs(uniform_filter1d(driving, average, mode="nearest")), width)
+    )
 
 
 @compiled
@@ -78,7 +128,7 @@ def _smooth(time, measured, variance, driving, driving_variance, wander):
     n = time.shape[0]
     predicted, filtered = np.zeros((n, 3)), np.zeros((n, 3))
     spread_predicted, spread_filtered = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
-    state, likelihood = np.zeros(3), 0.0
+    state, likelihood = np.zeros(3), np.zeros(n)
     spread = np.diag(np.array([1e-4, 1.0, 1e4]))
     for k in range(n):
         if k:
@@ -108,7 +158,7 @@ def _smooth(time, measured, variance, driving, driving_variance, wander):
         spread_predicted[k] = spread
         if measured[k] == measured[k]:
             expected, error = spread[0, 0] + variance, measured[k] - state[0]
-            likelihood -= 0.5 * (math.log(expected) + error * error / expected)
+            likelihood[k] = -0.5 * (math.log(expected) + error * error / expected)
             gain = spread[:, 0] / expected
             state = state + gain * error
             row = spread[0].copy()

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.hum import hum_in
 from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, Feed, feed, held_command
@@ -24,6 +25,8 @@ _FEWEST = 50
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
+_HUM_PASSES = 2
+_PLACE = CHANNELS.index("displacement")
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
 _MEDIAN = 0.455
@@ -59,7 +62,8 @@ class ServoModel(Model):
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
-        fed = _likelier_command(with_observer(feed(recording, rig), rig), rig)
+        recording, fed = _without_hum(recording, with_observer(feed(recording, rig), rig), rig)
+        fed = _likelier_command(fed, rig)
         if "stick-mask" in self.without:
             fed = with_gains(replace(fed, held=fed.touching), rig)
         found = []
@@ -156,6 +160,31 @@ class ServoModel(Model):
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by motion, place, opening, pressure ratio and time."""
         return regimes_of(case.inputs["feed"], case.rig)
+
+
+def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, Feed]:
+    """Return a recording without mains hum, and its feed.
+
+    Innovations show a line as it is read; what is taken out shows what the motion had taken up.
+    """
+    for _ in range(_HUM_PASSES):
+        noise = [fed.noise.get(name, 1.0) for name in CHANNELS]
+        left = run_observer(fed, {}, rig) / np.array(noise)[:, np.newaxis]
+        shares = fed.shares.T.copy()
+        # While the piston sticks it is not judged, but there hum shows best.
+        smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
+        left[_PLACE, fed.held] = smoothed_out[fed.held]
+        shares[_PLACE, fed.held] = 1.0
+        hum = hum_in(left, shares, fed.time)
+        if not np.any(hum):
+            break
+        channels = dict(recording.channels)
+        for name, waves, scale in zip(CHANNELS, hum, noise, strict=True):
+            if name in channels:
+                channels[name] = channels[name] - scale * waves
+        recording = replace(recording, channels=channels)
+        fed = with_observer(feed(recording, rig), rig)
+    return recording, fed
 
 
 def _likelier_command(ramped: Feed, rig: Rig) -> Feed:

@@ -1,0 +1,107 @@
+"""Mains hum in what a model leaves of a recording: a line that no physics has."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pneuservo.diagnosis.noise import Array
+
+MAINS = (50.0, 60.0)
+"""Nominal frequencies of the mains [Hz] ..."""
+OFF_NOMINAL = 0.2
+"""... from which they deviate by less than this [Hz]."""
+HARMONICS = (1, 2, 3)
+LINE = 15.0
+"""A line of so many times the power beside it is no noise: one in three million bins is."""
+_BESIDE = (0.5, 6.0)
+"""Distance from a line within which the power beside it is taken [Hz]."""
+_LEAST_SEEN = 0.1
+"""Share of the samples that a channel has to show a line in."""
+_STEP = 0.01
+_HIGHEST = 0.45
+"""Share of the sampling rate up to which lines are looked for."""
+
+
+def hum_in(residuals: Sequence[Array], shares: Sequence[Array], time: Array) -> list[Array]:
+    """Return the mains hum that several channels of one recording have in common.
+
+    Parameters
+    ----------
+    residuals : sequence of (n,) array
+        What a model leaves of each channel, in units of its noise; zero where there is nothing.
+    shares : sequence of (n,) array
+        By how much of itself an error of the reading shows in each residual [-].
+    time : (n,) array
+        Time of each sample [s].
+
+    Returns
+    -------
+    list of (n,) array
+        Hum of each channel, in units of its noise; zeros where no line stands out.
+
+    Notes
+    -----
+    Lines at a mains frequency and its harmonics, one frequency for all channels, each fitted by
+    least squares and kept where it stands out of the spectrum beside it. A relay that chatters
+    near the mains has a broad line, which does not.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> t = np.arange(4000) * 1e-3
+    >>> noise, line = rng.standard_normal(4000), 0.5 * np.sin(2 * np.pi * 50.04 * t + 1.0)
+    >>> found, nothing = hum_in([noise + line, noise], [np.ones(4000)] * 2, t)
+    >>> bool(np.std(found - line) < 0.1), bool(np.any(nothing))
+    (True, False)
+    """
+    found = [np.zeros(len(time)) for _ in residuals]
+    highest = _HIGHEST / float(np.median(np.diff(time)))
+    tried = [
+        mains + off
+        for mains in MAINS
+        if mains + OFF_NOMINAL < highest
+        for off in np.arange(-OFF_NOMINAL, OFF_NOMINAL + 0.5 * _STEP, _STEP)
+    ]
+    if not tried:
+        return found
+    beside = [_powers_beside(r, time) for r in residuals]
+
+    def strength(frequency: float) -> float:
+        return sum(
+            _standing_out(residual, share, time, k * frequency, floor)[0]
+            for residual, share, floor in zip(residuals, shares, beside, strict=True)
+            for k in HARMONICS
+            if k * frequency < highest
+        )
+
+    mains = max(tried, key=strength)
+    for frequency in (mains * k for k in HARMONICS if mains * k < highest):
+        for place, (residual, share) in enumerate(zip(residuals, shares, strict=True)):
+            ratio, line = _standing_out(residual, share, time, frequency, beside[place])
+            if ratio > LINE:
+                found[place] += line
+    return found
+
+
+def _powers_beside(residual: Array, time: Array) -> tuple[Array, Array]:
+    """Return frequencies, and the power at each as what a line of one degree of freedom takes."""
+    step = float(np.median(np.diff(time)))
+    power = np.abs(np.fft.rfft(residual)) ** 2 / len(residual)
+    return np.fft.rfftfreq(len(residual), step), power
+
+
+def _standing_out(
+    residual: Array, share: Array, time: Array, frequency: float, beside: tuple[Array, Array]
+) -> tuple[float, Array]:
+    """Return by how much a line exceeds the power beside it, and the line itself."""
+    away = np.abs(beside[0] - frequency)
+    floor = float(np.mean(beside[1][(away > _BESIDE[0]) & (away < _BESIDE[1])]))
+    there = float(np.mean(share > 0.0))
+    if not floor > 0.0 or there < _LEAST_SEEN:
+        return 0.0, np.zeros(len(time))
+    angle = 2.0 * np.pi * frequency * time
+    waves = np.column_stack([np.cos(angle), np.sin(angle)])
+    seen = waves * share[:, np.newaxis]
+    size = np.linalg.lstsq(seen, residual, rcond=None)[0]
+    taken = float(np.sum(residual**2) - np.sum((residual - seen @ size) ** 2))
+    return 0.5 * taken * there / floor, waves @ size
