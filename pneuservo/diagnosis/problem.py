@@ -265,7 +265,7 @@ def problems_of(model: Model, cases: Sequence[Case], hypothesis: Hypothesis) -> 
     baseline = _baseline_unknowns(model, cases[0], hypothesis)
     return [
         Problem(model, cases, [*baseline, *effects], own)
-        for effects in _effect_unknowns(model, hypothesis)
+        for effects in _effect_unknowns(model, cases, hypothesis)
     ]
 
 
@@ -312,16 +312,19 @@ def _baseline_unknowns(model: Model, case: Case, hypothesis: Hypothesis) -> list
     return found
 
 
-def _effect_unknowns(model: Model, hypothesis: Hypothesis) -> list[list[Unknown]]:
+def _effect_unknowns(
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis
+) -> list[list[Unknown]]:
     """Return the unknowns of the effects, once per combination of their starts."""
     switched = [effect for effect in model.effects if effect.id in hypothesis.effects]
     parameters = [(effect.key(p.name), p) for effect in switched for p in effect.parameters]
+    tried = [starts for effect in switched for starts in model.starts(effect, cases).values()]
     return [
         [
             Unknown(key, start, p.low, p.high, None, p.unit)
             for (key, p), start in zip(parameters, starts, strict=True)
         ]
-        for starts in itertools.product(*(p.starts for _, p in parameters))
+        for starts in itertools.product(*tried)
     ]
 
 

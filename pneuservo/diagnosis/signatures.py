@@ -104,7 +104,7 @@ def most_gained(spans: Sequence[Array], left: Array) -> float:
 
 def _signatures(model: Model, cases: Sequence[Case], base: Fit, effect: Effect) -> list[Array]:
     found = []
-    for starts in itertools.product(*(p.starts for p in effect.parameters)):
+    for starts in itertools.product(*model.starts(effect, cases).values()):
         values = {effect.key(p.name): s for p, s in zip(effect.parameters, starts, strict=True)}
         whole = change_by(model, cases, base, values)
         columns = [whole]

@@ -145,6 +145,10 @@ class Model:
         """Return the effects of the catalogue that this rig can show."""
         return effects_of(self.kind)
 
+    def starts(self, effect: Effect, cases: Sequence[Case]) -> dict[str, tuple[float, ...]]:
+        """Return where a fit may begin with each parameter of an effect, by its name."""
+        return {parameter.name: parameter.starts for parameter in effect.parameters}
+
     def require_channels(self, recording: Recording) -> None:
         """Refuse a recording that lacks a channel this model needs.
 

@@ -16,8 +16,10 @@ from pneuservo.rigs import Rig
 Array = NDArray[np.float64]
 
 PRESSURES = ("pressure_a", "pressure_b")
-CHANNELS = (*PRESSURES, "displacement")
-"""Judged channels, as the observer orders them."""
+FOLLOWED = (*PRESSURES, "displacement")
+"""Channels that the observer follows, in its order."""
+CHANNELS = (*FOLLOWED, "supply_pressure")
+"""Judged channels."""
 STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
 HELD_FOR = 8e-3
@@ -56,6 +58,8 @@ class Feed:
         Their smoothed rates [Pa/s].
     supply : (n,) array or None
         Measured supply pressure, smoothed [Pa].
+    supply_reading : (n,) array
+        The same as measured; empty where it was not [Pa].
     force : (n,) array
         At the rod [N].
     held : (n,) array of bool
@@ -87,6 +91,7 @@ class Feed:
     measured: tuple[bool, ...]
     pressure_rates: Array
     supply: Array | None
+    supply_reading: Array
     force: Array
     held: NDArray[np.bool_]
     reversal: float
@@ -118,7 +123,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     time, interval = recording.time, recording.sampling_interval
     noise = {
         channel: recording.noise_rms.get(channel) or noise_floor(recording[channel], time)
-        for channel in ("displacement", *PRESSURES)
+        for channel in CHANNELS
         if channel in recording
     }
     voltage = _closed(recording["valve_voltage"], time)
@@ -136,6 +141,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         measured=tuple(name in recording for name in PRESSURES),
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
         supply=_supply(recording, interval),
+        supply_reading=recording.channels.get("supply_pressure", np.empty(0)),
         force=force,
         held=np.zeros(len(time), dtype=bool),
         reversal=SLOWEST_MOTION,

@@ -6,7 +6,8 @@ import numpy as np
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.servo.estimate import with_observer
-from pneuservo.diagnosis.models.servo.feed import Feed, feed
+from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
+from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, run_observer
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
@@ -18,7 +19,12 @@ _UNLIMITED = 1e6
 
 
 def imitated(
-    fed: Feed, recording: Recording, rig: Rig, zero_force: float, rng: np.random.Generator
+    fed: Feed,
+    recording: Recording,
+    rig: Rig,
+    zero_force: float,
+    level: float,
+    rng: np.random.Generator,
 ) -> Feed:
     """Return a recording of a rig that follows the path of a real one.
 
@@ -32,6 +38,8 @@ def imitated(
         The rig as fitted, with the effects found so far.
     zero_force : float
         Force that the zeros of the pressure transducers pretend [N].
+    level : float
+        Pressure of the source, where the supply was measured [Pa].
     rng : Generator
         Of the noise.
 
@@ -45,10 +53,18 @@ def imitated(
     The command is the recorded one plus what a proportional controller adds to keep to the
     recorded path, so that small differences do not pile up.
     """
-    supply = fed.supply
-    if supply is not None and not rig.effects:
-        # Its ripple makes no difference to what is pretended, and costs a second compiled engine.
-        rig, supply = rig.with_values({"supply.pressure": float(np.mean(supply))}), None
+    supply, expected = fed.supply, np.empty(0)
+    if supply is not None:
+        expected = (
+            fed.supply_reading
+            - run_observer(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)[-1]
+        )
+        # The chambers are driven by what was measured.
+        others = {k: v for k, v in rig.effects.items() if not k.startswith("supply.")}
+        rig = replace(rig, effects=others)
+        if not others:
+            # Its ripple makes no difference to what is pretended, and costs a compiled engine.
+            rig, supply = rig.with_values({"supply.pressure": float(np.mean(supply))}), None
     controller = Proportional(level=_UNLIMITED)
     law = controller.law(rig)
     run = simulate(
@@ -63,7 +79,8 @@ def imitated(
     )
     channels = {"valve_voltage": run["valve_voltage"]}
     for name in fed.noise:
-        channels[name] = run[name] + rng.normal(0.0, fed.noise[name], len(fed.time))
+        true = run[name] if name in FOLLOWED else expected
+        channels[name] = true + rng.normal(0.0, fed.noise[name], len(fed.time))
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
     copy = with_observer(replace(copy, supply=fed.supply, force=fed.force), rig)
     return replace(

@@ -19,6 +19,7 @@ from pneuservo.plant.servo.layout import (
 from pneuservo.plant.servo.memory import begin
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
 from pneuservo.plant.servo.sensor_effects import displacement_gain
+from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FREE, SPOOL_LIMIT
 
 FOLLOWED_A, FOLLOWED_B, POSITION, SPEED = range(4)
@@ -106,6 +107,8 @@ def observe(
         Both pressures as followed [Pa].
     known : (n,) array
         Standard deviation of the force that they give; zeros unless learning [N].
+    drawn : (n,) array
+        Mass flow out of the supply [kg/s].
 
     Notes
     -----
@@ -114,7 +117,7 @@ def observe(
     motion.
     """
     n = time.shape[0]
-    left, path, known = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n)
+    left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
     state = initial_state.copy()
     modes = np.zeros(3, np.int64)
     modes[SPOOL_LIMIT] = SPOOL_FREE
@@ -168,6 +171,8 @@ def observe(
             grid,
             work,
         )
+        port = supply_at_valve(state, drive, interval, servo)
+        _, _, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
         now = push(
             time[k + 1],
             interval,
@@ -212,7 +217,7 @@ def observe(
         given = piston.area_a * moved[FOLLOWED_A] - piston.area_b * moved[FOLLOWED_B]
         last = now + given / piston.mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
-    return left, path, known
+    return left, path, known, drawn
 
 
 @compiled

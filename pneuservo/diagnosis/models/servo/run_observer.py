@@ -4,14 +4,16 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.models.servo.charging import charging_flow
-from pneuservo.diagnosis.models.servo.feed import CHANNELS, Feed
+from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.observer import observe
+from pneuservo.diagnosis.models.servo.supply import expected_supply
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state, step_for
+from pneuservo.plant.servo.supply_effects import SupplyEffects
 from pneuservo.plant.servo.transducers import true_motion, true_pressures
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
@@ -26,6 +28,8 @@ from pneuservo.rigs import Rig
 
 ZERO_FORCE = "zero_force"
 """What the drift of the pressure transducers' zeros makes of the force in one recording [N]."""
+SUPPLY_LEVEL = "supply_level"
+"""Pressure of the source in one recording in which the supply was measured [Pa]."""
 REVERSAL = "reversal"
 """Speed over which friction turns round, as a multiple of the resolution of the velocity [-]."""
 
@@ -80,7 +84,7 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
 
 
 def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
-    """Return the innovations of both pressures [Pa] and of the displacement [m].
+    """Return what both pressures, displacement and supply read beyond what was expected, SI.
 
     Parameters
     ----------
@@ -93,10 +97,22 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
 
     Returns
     -------
-    (3, n) array
+    (4, n) array
         As the transducers read them; zeros where nothing was measured.
+
+    Notes
+    -----
+    A measured supply pressure drives the chambers as it is: what the supply does shows in its
+    own channel alone.
     """
-    return _observe(fed, values, rig, fed.gains, fed.shares, learning=False)[0]
+    left, _, _, drawn = _observe(fed, values, rig, fed.gains, fed.shares, learning=False)
+    beyond = np.zeros_like(fed.time)
+    if fed.supply is not None:
+        plant, effects = numbers(values, rig)
+        level = values.get(SUPPLY_LEVEL, float(np.mean(fed.supply)))
+        expected = expected_supply(fed.time, level, drawn, plant, effects.supply)
+        beyond = np.nan_to_num(fed.supply_reading - expected)
+    return np.vstack([left, beyond])
 
 
 def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
@@ -122,21 +138,23 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, 4, 3)), np.zeros((samples, 3))
-    _, path, known = _observe(fed, {}, rig, gains, shares, learning=True)
+    _, path, known, _ = _observe(fed, {}, rig, gains, shares, learning=True)
     return gains, shares, path, float(np.median(known[samples // 10 :]))
 
 
 def _observe(
     fed: Feed, values: Values, rig: Rig, gains: Array, shares: Array, learning: bool
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array]:
     plant, effects = numbers(values, rig)
+    if fed.supply is not None:
+        effects = effects._replace(supply=SupplyEffects())
     motion, pressures = truth(fed, plant, effects)
     there = np.array(fed.measured)[:, np.newaxis]
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    noise = [fed.noise.get(name, 1.0) for name in CHANNELS]
-    found: tuple[Array, Array, Array] = observe(
+    noise = [fed.noise.get(name, 1.0) for name in FOLLOWED]
+    found: tuple[Array, Array, Array, Array] = observe(
         fed.time,
         fed.voltage,
         fed.ramped,

@@ -10,16 +10,36 @@ from numpy.typing import NDArray
 from pneuservo.diagnosis.hum import hum_in
 from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
-from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, Feed, feed, held_command
+from pneuservo.diagnosis.models.servo.feed import (
+    CHANNELS,
+    FOLLOWED,
+    PRESSURES,
+    Feed,
+    feed,
+    held_command,
+)
 from pneuservo.diagnosis.models.servo.imitation import imitated
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
-from pneuservo.diagnosis.models.servo.run_observer import REVERSAL, ZERO_FORCE, run_observer
+from pneuservo.diagnosis.models.servo.run_observer import (
+    REVERSAL,
+    SUPPLY_LEVEL,
+    ZERO_FORCE,
+    run_observer,
+)
+from pneuservo.diagnosis.models.servo.supply import strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
+from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
+_JUDGED = (
+    ("displacement", "m"),
+    ("pressure_a", "Pa"),
+    ("pressure_b", "Pa"),
+    ("supply_pressure", "Pa"),
+)
 _FEWEST = 50
 """Samples below which a channel is not judged: a piston that rests all the time tells nothing."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
@@ -60,6 +80,14 @@ class ServoModel(Model):
         """Return the effects that change what is expected; noise explains nothing."""
         return tuple(effect for effect in super().effects if effect.id not in _ONLY_NOISE)
 
+    def starts(self, effect: Effect, cases: Sequence[Case]) -> dict[str, tuple[float, ...]]:
+        """Return the catalogue's starts, but for a ripple whose frequency was recorded."""
+        found = super().starts(effect, cases)
+        fed: Feed = cases[0].inputs["feed"]
+        if effect is RIPPLE and fed.supply is not None:
+            found["frequency"] = (strongest_frequency(fed.time, fed.supply_reading),)
+        return found
+
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
         recording, fed = _without_hum(recording, with_observer(feed(recording, rig), rig), rig)
@@ -67,7 +95,7 @@ class ServoModel(Model):
         if "stick-mask" in self.without:
             fed = with_gains(replace(fed, held=fed.touching), rig)
         found = []
-        for channel, unit in (("displacement", "m"), ("pressure_a", "Pa"), ("pressure_b", "Pa")):
+        for channel, unit in _JUDGED:
             if channel not in recording:
                 continue
             noise = fed.noise[channel]
@@ -80,7 +108,7 @@ class ServoModel(Model):
                 Case(
                     recording,
                     recording[channel] / noise,
-                    {"feed": fed},
+                    {"feed": fed, "leads": not found},
                     1.0,
                     rig,
                     usable,
@@ -112,15 +140,19 @@ class ServoModel(Model):
 
         The force that the drifting zeros of the pressure transducers pretend, as large as their
         noise, and the speed over which friction turns round: the velocity is smoothed, and real
-        friction gives way by some micrometres before it slips. What a filter starts from is
-        forgotten.
+        friction gives way by some micrometres before it slips; and the pressure of a source that
+        was measured. What a filter starts from is forgotten.
         """
-        if case.channel != "displacement" or "nuisances" in self.without:
-            return []
-        sigma = case.inputs["feed"].spread_of_force
-        zero = Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, sigma, "N")
-        slowly = Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, "")
-        return [zero, slowly] if sigma else [slowly]
+        fed: Feed = case.inputs["feed"]
+        found: list[Unknown] = []
+        if case.channel == "displacement" and "nuisances" not in self.without:
+            if fed.spread_of_force:
+                found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
+            found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
+        if case.inputs["leads"] and fed.supply is not None:
+            level = float(np.mean(fed.supply))
+            found.append(Unknown(SUPPLY_LEVEL, level, 0.5 * level, 2.0 * level, None, "Pa"))
+        return found
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged channel as expected from its surroundings and its own past."""
@@ -142,19 +174,23 @@ class ServoModel(Model):
         for case, mine in zip(cases, values, strict=True):
             fed: Feed = case.inputs["feed"]
             if id(fed) not in copies:
-                zero = mine.get(ZERO_FORCE, 0.0)
+                own = mine.get(ZERO_FORCE, 0.0), mine.get(SUPPLY_LEVEL, 0.0)
                 rig = case.rig.with_own_values(mine)
                 try:
-                    copies[id(fed)] = imitated(fed, case.recording, rig, zero, rng)
+                    copies[id(fed)] = imitated(fed, case.recording, rig, *own, rng)
                 except InputError:
                     # Fitted to a path that the observer kept it on, it may run away on its own.
                     rig = replace(rig, effects={})
-                    copies[id(fed)] = imitated(fed, case.recording, rig, zero, rng)
+                    copies[id(fed)] = imitated(fed, case.recording, rig, *own, rng)
             copy = copies[id(fed)]
             reading = copy.reading
-            if case.channel != "displacement":
+            if case.channel in PRESSURES:
                 reading = copy.pressures[PRESSURES.index(case.channel)]
-            found.append(replace(case, measured=reading / case.scale, inputs={"feed": copy}))
+            elif case.channel == "supply_pressure":
+                reading = copy.supply_reading
+            found.append(
+                replace(case, measured=reading / case.scale, inputs={**case.inputs, "feed": copy})
+            )
         return found
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
@@ -170,7 +206,7 @@ def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, 
     for _ in range(_HUM_PASSES):
         noise = [fed.noise.get(name, 1.0) for name in CHANNELS]
         left = run_observer(fed, {}, rig) / np.array(noise)[:, np.newaxis]
-        shares = fed.shares.T.copy()
+        shares = np.vstack([fed.shares.T, np.ones_like(fed.time)])
         # While the piston sticks it is not judged, but there hum shows best.
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
         left[_PLACE, fed.held] = smoothed_out[fed.held]
@@ -205,8 +241,8 @@ def _unlikeliness(fed: Feed, rig: Rig, calm: NDArray[np.bool_]) -> float:
 
     A misfit all over is no argument: innovations count in their size where the command is calm.
     """
-    noise = np.array([fed.noise.get(name, 1.0) for name in CHANNELS])[:, np.newaxis]
-    square = (run_observer(fed, {}, rig) / noise) ** 2
+    noise = np.array([fed.noise.get(name, 1.0) for name in FOLLOWED])[:, np.newaxis]
+    square = (run_observer(fed, {}, rig)[: len(FOLLOWED)] / noise) ** 2
     there = fed.shares.T > 0.0
     total = 0.0
     for squares, shares, seen in zip(square, fed.shares.T, there, strict=True):
