@@ -14,6 +14,7 @@ from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
+from pneuservo.diagnosis.variants import likeliest
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings import Recording
@@ -181,10 +182,13 @@ def diagnose(
         [case for recording in group for case in _prepare(model, recording, chosen_rig)]
         for group in (recordings, validate)
     )
-    search = Search(model, cases, progress, seed, jobs)
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
+        cases, held_back, baseline = _as_read(model, cases, held_back, progress)
+        search = Search(model, cases, progress, seed, jobs)
+        if baseline is not None:
+            search.fits[baseline.hypothesis] = baseline
         search.run()
         unexplained = None
         if not search.interrupted:
@@ -223,6 +227,15 @@ def _unexplained(search: Search) -> Unexplained | None:
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     model.require_channels(recording)
     return model.cases(recording, rig.with_conditions(recording.conditions))
+
+
+def _as_read(
+    model: Model, cases: list[Case], held_back: list[Case], progress: Callable[[str], None]
+) -> tuple[list[Case], list[Case], Fit | None]:
+    """Return all cases in the reading that fits those better that are used, with its baseline."""
+    readings = model.readings(cases)
+    place, baseline = likeliest(model, readings, progress)
+    return readings[place], model.readings(held_back)[place], baseline
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

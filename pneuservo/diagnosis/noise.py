@@ -5,6 +5,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+WANDER = 0.35
+"""The zero of a transducer wanders by this share of its white noise ..."""
+WANDER_TIME = 0.5
+"""... within this time [s]: a third of the power of recorded noise is below some hertz."""
+_NEIGHBOURS = 7
+"""Bins of a spectrum that are taken together at least: more than a line with its feet has."""
+_WIDER = 1.5
+"""By how much each group of bins ends above its first."""
+
 
 def noise_floor(samples: Array, time: Array) -> float:
     """Return the root-mean-square noise of a channel, from the quietest part of its spectrum.
@@ -114,3 +123,73 @@ def surrogate(residual: Array, rng: np.random.Generator) -> Array:
     phases = np.exp(2j * np.pi * rng.random(len(spectrum)))
     phases[0] = 1.0 if rng.random() < 0.5 else -1.0
     return np.fft.irfft(spectrum * phases, len(residual))
+
+
+def wander(time: Array, rng: np.random.Generator) -> Array:
+    """Return how the zero of a transducer wanders, in units of its white noise.
+
+    Parameters
+    ----------
+    time : (n,) array
+        Evenly spaced [s].
+    rng : Generator
+        Draws it.
+
+    Returns
+    -------
+    (n,) array
+        Steady from the start [-].
+
+    Examples
+    --------
+    >>> made = wander(np.arange(40000) * 1e-3, np.random.default_rng(1))
+    >>> bool(abs(np.std(made) - WANDER) < 0.1)
+    True
+    """
+    from scipy.signal import lfilter
+
+    interval = float(np.median(np.diff(time)))
+    pole = float(np.exp(-interval / WANDER_TIME))
+    step = WANDER * float(np.sqrt(1.0 - pole**2))
+    start = pole * WANDER * rng.standard_normal()
+    made, _ = lfilter([step], [1.0, -pole], rng.standard_normal(len(time)), zi=[start])
+    return np.asarray(made)
+
+
+def coloured(residual: Array, rng: np.random.Generator) -> Array:
+    """Return random noise with the smooth part of a residual's spectrum: lines are left out.
+
+    Parameters
+    ----------
+    residual : (n,) array
+        Evenly sampled, finite.
+    rng : Generator
+        Draws it.
+
+    Returns
+    -------
+    (n,) array
+        Drift and white noise, but no swing of one frequency and no trend.
+
+    Notes
+    -----
+    The power in each of some neighbouring bins, wider ones towards high frequency, is taken from
+    their median, which a single line does not move; that of noise is ln 2 times its mean.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> t = np.arange(4000) * 1e-3
+    >>> made = coloured(np.sin(2 * np.pi * 5 * t) + 0.1 * rng.standard_normal(4000), rng)
+    >>> bool(abs(np.std(made) - 0.1) < 0.02)
+    True
+    """
+    power = np.abs(np.fft.rfft(residual - np.mean(residual))) ** 2
+    smooth, first = np.zeros_like(power), 1
+    while first < len(power):
+        last = max(first + _NEIGHBOURS, round(_WIDER * first))
+        smooth[first:last] = np.median(power[first:last]) / np.log(2.0)
+        first = last
+    half = np.sqrt(0.5 * smooth)
+    drawn = half * (rng.standard_normal(len(power)) + 1j * rng.standard_normal(len(power)))
+    return np.fft.irfft(drawn, len(residual))

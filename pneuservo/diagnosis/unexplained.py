@@ -13,8 +13,8 @@ from pneuservo.diagnosis.problem import residuals_of, values_in_each
 from pneuservo.diagnosis.side_by_side import side_by_side
 
 LEAST_GAIN = 350.0
-"""Drop of the weighted sum of squares that a table has to bring: over the 47 recordings without any
-effect of the first trial the best table reached 316, where pressures are followed less well."""
+"""Drop of the weighted sum of squares that a table has to bring: in 47 pairs of recordings without
+any effect the best table reached 316, where pressures are followed less well."""
 INSTEAD = 1.3
 """A table that explains so many times what the named effects do, in their place, leaves nothing of
 the names."""

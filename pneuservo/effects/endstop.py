@@ -9,13 +9,16 @@ CONTACT = Effect(
     block="piston",
     rigs=_RIGS,
     statement="A bumper catches the piston in front of the stop; the model stops it dead.",
-    equation="F = stiffness d + damping d' over the last 0.2 mm",
+    equation="F = stiffness d + damping d' over the last length",
     parameters=(
         EffectParameter(
-            "stiffness", "N/m", 0.0, 0.0, 1e7, (1e6,), "of the bumper", "stop.stiffness"
+            "stiffness", "N/m", 0.0, 0.0, 3e7, (1e6, 1e7), "of the bumper", "stop.stiffness"
         ),
         EffectParameter(
             "damping", "N*s/m", 0.0, 0.0, 2e3, (200.0,), "of the bumper", "stop.damping"
+        ),
+        EffectParameter(
+            "length", "m", 2e-4, 0.0, 2e-3, (2e-4, 0.0), "of the bumper", "stop.length"
         ),
     ),
     source="textbook contact law; restitution 0.2 to 0.6",

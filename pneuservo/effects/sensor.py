@@ -57,7 +57,15 @@ POSITION_OFFSET = Effect(
     equation="x_read = x + offset",
     parameters=(
         EffectParameter(
-            "offset", "m", 0.0, -3e-3, 3e-3, (3e-4,), "of the reading", "sensor.displacement_offset"
+            "offset",
+            "m",
+            0.0,
+            -3e-3,
+            3e-3,
+            (3e-4,),
+            "of the reading",
+            "sensor.displacement_offset",
+            1e-5,
         ),
     ),
     source=_DATA_SHEET,
@@ -89,7 +97,7 @@ POSITION_LAG = Effect(
     equation="time x_read' = x - x_read",
     parameters=(
         EffectParameter(
-            "time", "s", 0.0, 0.0, 0.01, (1e-3,), "of the lag", "sensor.displacement_lag"
+            "time", "s", 0.0, 0.0, 0.01, (1e-3,), "of the lag", "sensor.displacement_lag", 5e-5
         ),
     ),
     source="demodulation filter 500 Hz; thesis chapter 8: the filter slows the limit cycle",
@@ -191,7 +199,9 @@ PRESSURE_LAG = Effect(
     statement="The pressures read late; the model takes them as true.",
     equation="time p_read' = p - p_read",
     parameters=(
-        EffectParameter("time", "s", 0.0, 0.0, 0.02, (2e-3,), "of the lag", "sensor.pressure_lag"),
+        EffectParameter(
+            "time", "s", 0.0, 0.0, 0.02, (2e-3,), "of the lag", "sensor.pressure_lag", 5e-5
+        ),
     ),
     source="tube to the tap and amplifier, 0.2 to 5 ms; Doebelin",
     experiment="tap both transducers with one sudden pressure",
@@ -207,7 +217,15 @@ CLOCK = Effect(
     equation="p_read(t) = p(t + skew)",
     parameters=(
         EffectParameter(
-            "skew", "s", 0.0, -0.02, 0.02, (1e-3, -1e-3), "of the pressures", "sensor.pressure_skew"
+            "skew",
+            "s",
+            0.0,
+            -0.02,
+            0.02,
+            (1e-3, -1e-3),
+            "of the pressures",
+            "sensor.pressure_skew",
+            2e-5,
         ),
     ),
     source="multiplexed conversion 8 to 60 us per channel; wrong triggers",

@@ -32,7 +32,7 @@ SLOW_DRIFT = Effect(
     equation="Ps = P0 + rate t",
     parameters=(
         EffectParameter(
-            "rate", "Pa/s", 0.0, -2e4, 2e4, (1e3,), "drift of the source", "supply.drift"
+            "rate", "Pa/s", 0.0, -2e4, 2e4, (1e3,), "drift of the source", "supply.drift", 30.0
         ),
     ),
     source="thesis chapter 3: 6.5 to 7.7 bar over a day",

@@ -175,6 +175,14 @@ class Model:
         case = self.prepare(recording, rig)
         return [replace(case, channel=self.channel, unit=self.unit)]
 
+    def readings(self, cases: Sequence[Case]) -> list[list[Case]]:
+        """Return the cases in each way in which recordings may be read that do not say."""
+        return [list(cases)]
+
+    def unlikeliness(self, cases: Sequence[Case], values: Sequence[Values]) -> float:
+        """Return twice the negative log-likelihood of a reading, but for a constant."""
+        raise NotImplementedError
+
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return the rig parameters that a refit of the baseline may move."""
         return ()

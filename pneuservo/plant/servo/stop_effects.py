@@ -61,6 +61,39 @@ def bumper_force(displacement, velocity, stroke, effects):
 
 
 @compiled
+def resting_place(side, force, stroke, effects):
+    """Return where a piston rests that is pressed on a stop [m].
+
+    Parameters
+    ----------
+    side : int
+        -1 for the retracted stop, 1 for the extended one.
+    force : float
+        That presses it, positive extends [N].
+    stroke : float
+        [m].
+    effects : StopEffects
+        The effects.
+
+    Notes
+    -----
+    A bumper gives way by force over stiffness from where it begins; behind a short one the stop
+    itself gives way.
+
+    Examples
+    --------
+    >>> resting_place(-1, -50.0, 0.03, StopEffects()), resting_place(1, 50.0, 0.03, StopEffects())
+    (0.0, 0.03)
+    >>> round(resting_place(1, 50.0, 0.03, StopEffects(stiffness=1e6)), 6)
+    0.02985
+    """
+    given = 0.0
+    if effects.stiffness > 0.0:
+        given = effects.length - abs(force) / effects.stiffness
+    return given if side < 0 else stroke - given
+
+
+@compiled
 def cushion_force(distance, cushion_pressure, pressure, area, effects):
     """Return what a cushion adds to the force of its chamber [N].
 

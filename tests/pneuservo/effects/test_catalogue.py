@@ -90,8 +90,7 @@ def test_every_parameter_of_the_servo_has_a_field_with_the_same_neutral_value():
     known = {
         f"{block}.{name}" for block in NEUTRAL._fields for name in getattr(NEUTRAL, block)._fields
     }
-    # The bumper's length is a constant of the rig that the kernels take as a number.
-    assert known - set(SERVO_FIELDS.values()) == {"stop.length"}
+    assert known == set(SERVO_FIELDS.values())
 
 
 def test_neutral_values_are_the_baseline():

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
+from pneuservo.diagnosis.models.servo.stops import around, resting, touching
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -28,10 +29,6 @@ AT_REST = 1.5
 """A piston never moves whose displacement spreads by less than this many times its noise."""
 SLOWEST_MOTION = 5e-4
 """A velocity is never taken to be known better than this [m/s]."""
-NEAR_STOP = 5e-4
-"""Distance from a stop within which the piston may touch it [m]."""
-IMPACT = 0.01
-"""Time round a touch during which the motion is not known well [s]."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
@@ -66,8 +63,10 @@ class Feed:
         While the piston sticks or lies at a stop.
     reversal : float
         How well the velocity is known: friction turns round over this [m/s].
-    touching : (n,) array of bool
-        While the piston may touch a stop.
+    touching, striking : (n,) array of bool
+        While the piston may touch a stop, and while it moves there.
+    resting : (n,) array of int
+        At which stop it rests: -1 the retracted, 1 the extended, 0 none.
     spread : (2, n) array
         Variance that each interval adds to what is known of each pressure [Pa^2].
     noise : mapping of str to float
@@ -96,6 +95,8 @@ class Feed:
     held: NDArray[np.bool_]
     reversal: float
     touching: NDArray[np.bool_]
+    striking: NDArray[np.bool_]
+    resting: NDArray[np.int64]
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
@@ -146,6 +147,8 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         held=np.zeros(len(time), dtype=bool),
         reversal=SLOWEST_MOTION,
         touching=np.zeros(len(time), dtype=bool),
+        striking=np.zeros(len(time), dtype=bool),
+        resting=np.zeros(len(time), dtype=np.int64),
         spread=np.zeros((2, len(time))),
         noise=noise,
         spread_of_force=spread_of_force,
@@ -187,13 +190,20 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
             [np.full_like(fed.time, np.mean(motion[0])), *np.zeros((2, len(fed.time)))]
         )
     interval = float(np.median(np.diff(fed.time)))
-    touching = _touching(motion[0], interval, rig["piston.stroke"])
+    stroke, slow = rig["piston.stroke"], STICKING * reversal
+    near, still = touching(motion[0], interval, stroke), _held(motion[1], slow, interval)
+    rests = np.zeros(len(fed.time), dtype=np.int64)
+    if driving is not None and force_rms is not None:
+        friction = rig["piston.coulomb_friction"] + force_rms
+        rests = resting(motion[0], still, mass * driving, friction, interval, stroke)
     moved = replace(
         fed,
         motion=motion,
-        held=_held(motion[1], STICKING * reversal, interval) | touching,
+        held=still | near,
         reversal=reversal,
-        touching=touching,
+        touching=near,
+        striking=near & around(np.abs(motion[1]) > slow, interval),
+        resting=rests,
         done=Recent(),
     )
     return replace(moved, spread=_spread(moved, rig))
@@ -216,7 +226,7 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
 
 def _spread(fed: Feed, rig: Rig) -> Array:
     return spread_of_pressures(
-        fed.time, fed.voltage, fed.ramped, fed.touching, fed.noise, fed.reversal, rig
+        fed.time, fed.voltage, fed.ramped, fed.striking, fed.noise, fed.reversal, rig
     )
 
 
@@ -247,14 +257,6 @@ def _held(velocity: Array, slow: float, interval: float) -> NDArray[np.bool_]:
 
     width = max(2, round(HELD_FOR / interval))
     return np.asarray(binary_opening(np.abs(velocity) < slow, np.ones(width)))
-
-
-def _touching(displacement: Array, interval: float, stroke: float) -> NDArray[np.bool_]:
-    """Return when the piston may touch a stop, where a force acts that nothing tells."""
-    from scipy.ndimage import binary_dilation
-
-    near = (displacement < NEAR_STOP) | (displacement > stroke - NEAR_STOP)
-    return np.asarray(binary_dilation(near, np.ones(2 * max(1, round(IMPACT / interval)) + 1)))
 
 
 def held_command(fed: Feed, rig: Rig) -> Feed:

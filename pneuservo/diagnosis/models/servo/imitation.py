@@ -8,6 +8,7 @@ from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, run_observer
+from pneuservo.diagnosis.noise import coloured, wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
@@ -53,12 +54,11 @@ def imitated(
     The command is the recorded one plus what a proportional controller adds to keep to the
     recorded path, so that small differences do not pile up.
     """
-    supply, expected = fed.supply, np.empty(0)
+    supply, source = fed.supply, np.empty(0)
     if supply is not None:
-        expected = (
-            fed.supply_reading
-            - run_observer(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)[-1]
-        )
+        left = run_observer(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)[-1]
+        # Nothing follows the supply's own drift, as the observer does that of the pressures.
+        source = fed.supply_reading - left + coloured(left, rng)
         # The chambers are driven by what was measured.
         others = {k: v for k, v in rig.effects.items() if not k.startswith("supply.")}
         rig = replace(rig, effects=others)
@@ -79,8 +79,12 @@ def imitated(
     )
     channels = {"valve_voltage": run["valve_voltage"]}
     for name in fed.noise:
-        true = run[name] if name in FOLLOWED else expected
-        channels[name] = true + rng.normal(0.0, fed.noise[name], len(fed.time))
+        drift = wander(fed.time, rng)
+        if name in FOLLOWED:
+            noise = rng.standard_normal(len(fed.time)) + drift
+            channels[name] = run[name] + fed.noise[name] * noise
+        else:
+            channels[name] = source + fed.noise[name] * drift
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
     copy = with_observer(replace(copy, supply=fed.supply, force=fed.force), rig)
     return replace(
@@ -88,6 +92,8 @@ def imitated(
         ramped=fed.ramped,
         held=fed.held,
         touching=fed.touching,
+        striking=fed.striking,
+        resting=fed.resting,
         reversal=fed.reversal,
         spread=fed.spread,
         gains=fed.gains,

@@ -7,6 +7,7 @@ import numpy as np
 from pneuservo.diagnosis.models.servo.advance import advance, write_drive
 from pneuservo.diagnosis.models.servo.push import FELT, friction_direction, push
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.piston import driving_force
 from pneuservo.plant.servo.layout import (
     COMMAND,
     INPUTS,
@@ -18,7 +19,8 @@ from pneuservo.plant.servo.layout import (
 )
 from pneuservo.plant.servo.memory import begin
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
-from pneuservo.plant.servo.sensor_effects import displacement_gain
+from pneuservo.plant.servo.sensor_effects import displacement_error, displacement_gain
+from pneuservo.plant.servo.stop_effects import resting_place
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FREE, SPOOL_LIMIT
 
@@ -44,6 +46,7 @@ def observe(
     supply,
     external_force,
     held,
+    resting,
     reversal,
     variance,
     spread,
@@ -76,7 +79,9 @@ def observe(
         At the rod, positive when it resists extension [N].
     held : (n,) array of bool
         While the piston sticks or lies at a stop: its motion is taken over, and its displacement
-        tells nothing.
+        tells nothing ...
+    resting : (n,) array of int
+        ... unless it is pressed on the retracted (-1) or extended (1) stop, whose place is known.
     reversal : float
         Speed over which friction turns round [m/s].
     variance : (3,) array
@@ -202,7 +207,21 @@ def observe(
             if held[k + 1]:
                 _take_over(covariance, variance[2], reversal)
             _weigh(covariance, error, variance, gains[k + 1], shares[k + 1])
+            if resting[k + 1] != 0:
+                shares[k + 1, 2] = 1.0
             known[k + 1] = _force_spread(covariance, piston)
+        if resting[k + 1] != 0:
+            force = driving_force(
+                state[PRESSURE_A],
+                state[PRESSURE_B],
+                0.0,
+                external_force[k + 1],
+                plant.ambient_pressure,
+                piston,
+            )
+            place = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
+            error[2] = readings[2, k + 1] - place
+            error[2] -= displacement_error(place, piston.stroke, effects.sensor)
         moved = np.zeros(4)
         for slot in range(3):
             if error[slot] == error[slot]:

@@ -164,6 +164,7 @@ def _observe(
         supply,
         fed.force + values.get(ZERO_FORCE, 0.0),
         fed.held,
+        fed.resting,
         fed.reversal * values.get(REVERSAL, 1.0),
         np.array(noise) ** 2,
         fed.spread,

@@ -91,7 +91,6 @@ class ServoModel(Model):
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
         recording, fed = _without_hum(recording, with_observer(feed(recording, rig), rig), rig)
-        fed = _likelier_command(fed, rig)
         if "stick-mask" in self.without:
             fed = with_gains(replace(fed, held=fed.touching), rig)
         found = []
@@ -101,7 +100,7 @@ class ServoModel(Model):
             noise = fed.noise[channel]
             usable = np.isfinite(recording[channel])
             if channel == "displacement":
-                usable = usable & ~fed.held
+                usable = usable & (~fed.held | (fed.resting != 0))
             if np.count_nonzero(usable) < _FEWEST:
                 continue
             found.append(
@@ -123,6 +122,28 @@ class ServoModel(Model):
                 "was recorded: there is nothing to judge; record both pressures, or a motion"
             )
         return found
+
+    def readings(self, cases: Sequence[Case]) -> list[list[Case]]:
+        """Return the cases with a command that runs on and with one that is held.
+
+        A controller that samples holds its command; an analogue one, or a recorder, does not.
+        """
+        held: dict[int, Feed] = {}
+        found = []
+        for case in cases:
+            fed: Feed = case.inputs["feed"]
+            if id(fed) not in held:
+                held[id(fed)] = with_gains(held_command(fed, case.rig), case.rig)
+            found.append(replace(case, inputs={**case.inputs, "feed": held[id(fed)]}))
+        return [list(cases), found]
+
+    def unlikeliness(self, cases: Sequence[Case], values: Sequence[Values]) -> float:
+        """Return how unlikely the innovations of all recordings are, each counted once."""
+        return sum(
+            _unlikeliness(case.inputs["feed"], mine, case.rig)
+            for case, mine in zip(cases, values, strict=True)
+            if case.inputs["leads"]
+        )
 
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return every parameter that is known within a tolerance only."""
@@ -223,26 +244,16 @@ def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, 
     return recording, fed
 
 
-def _likelier_command(ramped: Feed, rig: Rig) -> Feed:
-    """Return the feed whose command, running on or held between samples, fits better.
-
-    A controller that samples holds its command; an analogue one, or a recorder, does not.
-    """
-    held = with_gains(held_command(ramped, rig), rig)
-    # Where the command runs smoothest both are alike.
-    bend = np.max(ramped.spread - held.spread, axis=0)
-    calm = np.concatenate([[True], (bend <= np.median(bend))[:-1]])
-    unlikely = [_unlikeliness(fed, rig, calm) for fed in (ramped, held)]
-    return held if unlikely[1] < unlikely[0] else ramped
-
-
-def _unlikeliness(fed: Feed, rig: Rig, calm: NDArray[np.bool_]) -> float:
+def _unlikeliness(fed: Feed, values: Values, rig: Rig) -> float:
     """Return twice the negative log-likelihood of the innovations, but for a constant.
 
     A misfit all over is no argument: innovations count in their size where the command is calm.
     """
+    curve = np.abs(np.diff(fed.voltage, 2, prepend=fed.voltage[0], append=fed.voltage[-1]))
+    bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
+    calm = bend <= np.median(bend)
     noise = np.array([fed.noise.get(name, 1.0) for name in FOLLOWED])[:, np.newaxis]
-    square = (run_observer(fed, {}, rig)[: len(FOLLOWED)] / noise) ** 2
+    square = (run_observer(fed, values, rig)[: len(FOLLOWED)] / noise) ** 2
     there = fed.shares.T > 0.0
     total = 0.0
     for squares, shares, seen in zip(square, fed.shares.T, there, strict=True):

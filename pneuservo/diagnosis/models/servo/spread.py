@@ -23,7 +23,7 @@ def spread_of_pressures(
     time: Array,
     voltage: Array,
     ramped: bool,
-    touching: NDArray[np.bool_],
+    striking: NDArray[np.bool_],
     noise: dict[str, float],
     velocity_rms: float,
     rig: Rig,
@@ -32,7 +32,7 @@ def spread_of_pressures(
 
     Parameters
     ----------
-    time, voltage, ramped, touching, noise
+    time, voltage, ramped, striking, noise
         As in `pneuservo.diagnosis.models.servo.feed.Feed`.
     velocity_rms : float
         How well the velocity is known that the chambers are filled with [m/s].
@@ -55,7 +55,7 @@ def spread_of_pressures(
         curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
         bend = np.maximum(curve, np.append(curve[1:], 0.0)) / plant.valve.full_voltage
     gas, piston = plant.gas, plant.piston
-    unsure = ((time < time[0] + START) | touching).astype(float)
+    unsure = ((time < time[0] + START) | striking).astype(float)
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     found = []
     for area, dead, side, name in (

@@ -14,6 +14,7 @@ from pneuservo.plant.servo.supply_effects import (
 from pneuservo.plant.single_axis import SingleAxis
 
 _FINER = 4
+_FEWEST_SWINGS = 3.0
 _HALVINGS = 40
 """Of the bracket of the pressure after a step: to a billionth of a bar."""
 
@@ -73,7 +74,8 @@ def strongest_frequency(time: Array, reading: Array) -> float:
     swing = detrend(np.interp(time, time[np.isfinite(reading)], reading[np.isfinite(reading)]))
     step, size = float(np.median(np.diff(time))), _FINER * len(swing)
     power = np.abs(np.fft.rfft(swing, size)) ** 2
-    lowest = RIPPLE.parameters[1].low
+    # What swings less than three times is as well a drift.
+    lowest = max(RIPPLE.parameters[1].low, _FEWEST_SWINGS / float(time[-1] - time[0]))
     power[np.fft.rfftfreq(size, step) < lowest] = 0.0
     return max(float(np.fft.rfftfreq(size, step)[int(np.argmax(power))]), lowest)
 

@@ -1,0 +1,82 @@
+"""When the piston strikes a stop, and when it rests at one."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.diagnosis.models.model import Array
+
+NEAR_STOP = 5e-4
+"""Distance from a stop within which the piston may touch it [m]."""
+IMPACT = 0.01
+"""Time round a touch during which the motion is not known well [s]."""
+FARTHEST = 3e-3
+"""A displacement that reads more than this from a stop is not that of a piston at the stop [m]."""
+PRESSED = 2.0
+"""A piston that rests though it is pushed by so many times its friction is held by a stop."""
+PRESSED_FOR = 0.05
+"""Time for which it has to be [s]."""
+FORCE_SMOOTHING = 5e-3
+"""Time over which the force is averaged [s]."""
+
+
+def around(moments: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
+    """Return the time round some moments during which the motion is not known well.
+
+    Parameters
+    ----------
+    moments : (n,) array of bool
+        When something touches.
+    interval : float
+        Of the samples [s].
+    """
+    from scipy.ndimage import binary_dilation
+
+    return np.asarray(binary_dilation(moments, np.ones(2 * max(1, round(IMPACT / interval)) + 1)))
+
+
+def touching(displacement: Array, interval: float, stroke: float) -> NDArray[np.bool_]:
+    """Return when the piston may touch a stop, where a force acts that nothing tells.
+
+    Parameters
+    ----------
+    displacement : (n,) array
+        [m].
+    interval, stroke : float
+        Of the samples [s]; of the piston [m].
+    """
+    near = (displacement < NEAR_STOP) | (displacement > stroke - NEAR_STOP)
+    return around(near, interval)
+
+
+def resting(
+    displacement: Array,
+    still: NDArray[np.bool_],
+    force: Array,
+    friction: float,
+    interval: float,
+    stroke: float,
+) -> NDArray[np.int64]:
+    """Return at which stop the piston rests: -1 the retracted, 1 the extended, 0 none.
+
+    Parameters
+    ----------
+    displacement : (n,) array
+        [m].
+    still : (n,) array of bool
+        While the piston does not move.
+    force : (n,) array
+        On the piston but for its friction [N].
+    friction : float
+        Coulomb friction, with how well the force is known [N].
+    interval, stroke : float
+        Of the samples [s]; of the piston [m].
+    """
+    from scipy.ndimage import binary_opening, uniform_filter1d
+
+    width = max(1, round(FORCE_SMOOTHING / interval))
+    push = uniform_filter1d(force, width, mode="nearest")
+    window = np.ones(max(2, round(PRESSED_FOR / interval)))
+    retracted = still & (push < -PRESSED * friction) & (displacement < FARTHEST)
+    extended = still & (push > PRESSED * friction) & (displacement > stroke - FARTHEST)
+    found = binary_opening(extended, window).astype(np.int64)
+    return np.asarray(found - binary_opening(retracted, window))
