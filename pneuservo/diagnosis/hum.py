@@ -87,7 +87,7 @@ def _powers_beside(residual: Array, time: Array) -> tuple[Array, Array]:
     """Return frequencies, and the power at each as what a line of one degree of freedom takes."""
     step = float(np.median(np.diff(time)))
     power = np.abs(np.fft.rfft(residual)) ** 2 / len(residual)
-    return np.fft.rfftfreq(len(residual), step), power
+    return np.asarray(np.fft.rfftfreq(len(residual), step)), np.asarray(power)
 
 
 def _standing_out(

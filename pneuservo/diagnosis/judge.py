@@ -13,10 +13,9 @@ UNDECIDED = 6.0
 """Rivals closer than this cannot be told apart (Kass and Raftery 1995: below strong)."""
 TIED = 2.0
 """Rivals closer than this are not worth more than a mention; the catalogue's order decides."""
-LEAST_DISTANCE = 16.0
+LEAST_DISTANCE = 10.0
 """Drop that a parameter out of its tolerance has to bring where laws differ in form from the real
-ones: four tolerances. In twelve pairs of recordings of another simulator without any effect the
-bandwidth of the spool went 2.9 tolerances astray."""
+ones: a little more than three tolerances."""
 SMALLEST_SHARE = 0.02
 """Share of what the baseline leaves unexplained that an effect has to account for ..."""
 SECOND_SHARE = 0.05

@@ -12,6 +12,9 @@ from pneuservo.diagnosis.problem import Problem, problems_of
 
 RISE = 3.841
 """Rise of the weighted sum of squares at the ends of a 95 % interval (chi-square, one value)."""
+FORM = 0.05**2
+"""Share of what an effect explains by which the fit may get worse besides, where the real law may
+differ in form: sizes of two laws for one effect then mean the same to a twentieth."""
 _NEARLY = 0.05
 """Share of that rise within which an end is known well enough."""
 _MOST_TRIALS = 6
@@ -19,7 +22,9 @@ _CHORDS = 2
 """Times that the other values follow, with the sensitivities of the solution."""
 
 
-def with_profiles(model: Model, cases: Sequence[Case], found: Fit, keys: Sequence[str]) -> Fit:
+def with_profiles(
+    model: Model, cases: Sequence[Case], found: Fit, keys: Sequence[str], rise: float = RISE
+) -> Fit:
     """Return a fit with the intervals of some shared values from their profile likelihood.
 
     Parameters
@@ -30,6 +35,8 @@ def with_profiles(model: Model, cases: Sequence[Case], found: Fit, keys: Sequenc
         The fit.
     keys : sequence of str
         Shared values whose intervals are wanted.
+    rise : float, optional
+        Of the weighted sum of squares at the ends of an interval.
 
     Returns
     -------
@@ -50,7 +57,7 @@ def with_profiles(model: Model, cases: Sequence[Case], found: Fit, keys: Sequenc
     blocks = [problem.shared, *problem.own]
     solution = np.array([v[u.key] for v, block in zip(values, blocks, strict=True) for u in block])
     vector = solution / problem.units
-    profile = _Profile(problem, vector, found.sensitivity * (problem.units / found.units))
+    profile = _Profile(problem, vector, found.sensitivity * (problem.units / found.units), rise)
     place = {unknown.key: i for i, unknown in enumerate(problem.shared)}
     intervals = dict(found.intervals)
     for key in keys:
@@ -62,8 +69,9 @@ def with_profiles(model: Model, cases: Sequence[Case], found: Fit, keys: Sequenc
 
 
 class _Profile:
-    def __init__(self, problem: Problem, vector: Array, jacobian: Array):
+    def __init__(self, problem: Problem, vector: Array, jacobian: Array, wanted: float):
         self._problem, self._vector, self._jacobian = problem, vector, jacobian
+        self._wanted = wanted
         self._lowest = float(np.sum(problem.cost_vector(vector) ** 2))
         spread = np.linalg.pinv(jacobian.T @ jacobian)
         self._sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
@@ -72,20 +80,22 @@ class _Profile:
         """Return the end of the interval of one unknown, in units of the problem."""
         low, high = (bound[column] for bound in self._problem.bounds)
         centre, limit = self._vector[column], high if sign > 0.0 else low
-        reach = sign * float(np.sqrt(RISE)) * max(self._sigma[column], 1e-9)
+        reach = sign * float(np.sqrt(self._wanted)) * max(self._sigma[column], 1e-9)
         inside, outside = 0.0, np.inf
         for _ in range(_MOST_TRIALS):
             if sign * (centre + reach - limit) > 0.0:
                 reach = limit - centre
             rise = self._rise(column, centre + reach)
-            if abs(rise - RISE) < _NEARLY * RISE or (reach == limit - centre and rise < RISE):
+            if abs(rise - self._wanted) < _NEARLY * self._wanted or (
+                reach == limit - centre and rise < self._wanted
+            ):
                 break
-            if rise < RISE:
+            if rise < self._wanted:
                 inside = abs(reach)
             else:
                 outside = abs(reach)
             # The rise grows with the square of the distance, as long as the model hardly bends.
-            wanted = abs(reach) * float(np.sqrt(RISE / max(rise, 1e-2 * RISE)))
+            wanted = abs(reach) * float(np.sqrt(self._wanted / max(rise, 1e-2 * self._wanted)))
             if not inside < wanted < outside:
                 wanted = 0.5 * (inside + outside) if np.isfinite(outside) else 2.0 * inside
             reach = sign * wanted

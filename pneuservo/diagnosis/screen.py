@@ -1,13 +1,13 @@
 """Which candidates are worth a fit: those whose signature the residual contains."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit, orthonormal
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.signatures import Signatures, most_gained, spans_beyond
+from pneuservo.diagnosis.signatures import Signatures, beyond_refit, most_gained, spans_beyond
 
 WORTH_FITTING = 6
 """So many effects are fitted at each step; where there are no more, all of them."""
@@ -21,7 +21,11 @@ SMOOTH = 0.1
 
 
 def promising(
-    base: Fit, signatures: Signatures, names: Sequence[str], keep: Sequence[str] = ()
+    base: Fit,
+    signatures: Signatures,
+    names: Sequence[str],
+    keep: Sequence[str] = (),
+    one_sided: Collection[str] = (),
 ) -> list[str]:
     """Return the candidates that a fit is worth trying with, in the order given.
 
@@ -35,6 +39,8 @@ def promising(
         Candidates: effect ids and ``param.`` ids.
     keep : sequence of str, optional
         Candidates that are returned in any case.
+    one_sided : collection of str, optional
+        Effects whose size cannot be negative: one that would have to be promises nothing.
 
     Returns
     -------
@@ -49,8 +55,13 @@ def promising(
     effect has made to look noisy counts fully.
     """
     noise = np.ones(base.samples)
-    as_fitted = _scores(base, base.row_scale(), base.absorbed, signatures, names)
-    as_noise = _scores(base, noise, orthonormal(_rescaled(base, noise)), signatures, names)
+    weights = (
+        (base.row_scale(), base.absorbed),
+        (noise, orthonormal(_rescaled(base, noise))),
+    )
+    as_fitted, as_noise = (
+        _scores(base, scale, basis, signatures, names, one_sided) for scale, basis in weights
+    )
     worth = sorted(
         (n for n in names if max(as_fitted[n], as_noise[n]) > _least_promise(n, base)),
         key=as_fitted.__getitem__,
@@ -76,17 +87,30 @@ def _least_promise(name: str, base: Fit) -> float:
 
 
 def _scores(
-    base: Fit, scale: Array, basis: Array, signatures: Signatures, names: Sequence[str]
+    base: Fit,
+    scale: Array,
+    basis: Array,
+    signatures: Signatures,
+    names: Sequence[str],
+    one_sided: Collection[str],
 ) -> dict[str, float]:
     left = np.concatenate([np.concatenate(base.residuals) / scale, base.distance])
     left = left - basis @ (basis.T @ left)
     score = {}
     for name in names:
         if name in signatures:
-            score[name] = most_gained(spans_beyond(base, scale, signatures[name], basis), left)
+            variants = signatures[name]
+            if name in one_sided:
+                variants = [v for v in variants if _adds(beyond_refit(base, scale, v, basis), left)]
+            score[name] = most_gained(spans_beyond(base, scale, variants, basis), left)
         else:
             score[name] = _loosened_score(base, name, basis, left)
     return score
+
+
+def _adds(rest: Array, left: Array) -> bool:
+    """Return whether more of an effect, not less than none, is what is missing."""
+    return bool(rest[:, 0] @ left > 0.0 or np.linalg.lstsq(rest, left, rcond=None)[0][0] > 0.0)
 
 
 def _rescaled(base: Fit, scale: Array) -> Array:

@@ -25,7 +25,7 @@ from pneuservo.diagnosis.ledger import Rival, Step
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.noise import noise_floor, resolution
 from pneuservo.diagnosis.pretence import Pretence
-from pneuservo.diagnosis.profile import with_profiles
+from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.screen import promising
 from pneuservo.diagnosis.side_by_side import side_by_side
 
@@ -116,8 +116,15 @@ class Search:
             return names
         asked = (base.hypothesis, tuple(names), tuple(keep))
         if asked not in self._promising:
-            self._promising[asked] = promising(base, self.pretence.signatures, names, keep)
+            self._promising[asked] = promising(
+                base, self.pretence.signatures, names, keep, self._one_sided
+            )
         return self._promising[asked]
+
+    @cached_property
+    def _one_sided(self) -> frozenset[str]:
+        """Return the effects whose size cannot be negative."""
+        return frozenset(e.id for e in self.model.effects if e.parameters[0].low >= 0.0)
 
     @property
     def noise_rms(self) -> float:
@@ -214,7 +221,10 @@ class Search:
             self.progress("looking how far the sizes found can go")
             if self.model.steady:
                 chosen = polished(self.model, self.cases, chosen)
-            self.fits[chosen.hypothesis] = with_profiles(self.model, self.cases, chosen, keys)
+            rise = RISE
+            if self.model.steady:
+                rise += FORM * max(explained(self.baseline, chosen), 0.0)
+            self.fits[chosen.hypothesis] = with_profiles(self.model, self.cases, chosen, keys, rise)
 
     def give_up(self) -> None:
         """Drop every name: something without one explains the recordings better."""

@@ -66,6 +66,22 @@ def weighted(base: Fit, scale: Array, columns: Array) -> Array:
     return np.vstack([columns / scale[:, np.newaxis], rows])
 
 
+def beyond_refit(base: Fit, scale: Array, variant: Array, basis: Array) -> Array:
+    """Return what of a signature a refit does not absorb.
+
+    Parameters
+    ----------
+    base, scale
+        As for `weighted`.
+    variant : (n, k) array
+        The signature from one start.
+    basis : (n + t, m) array
+        Of what a refit absorbs.
+    """
+    columns = weighted(base, scale, variant)
+    return np.asarray(columns - basis @ (basis.T @ columns))
+
+
 def spans_beyond(base: Fit, scale: Array, variants: Sequence[Array], basis: Array) -> list[Array]:
     """Return orthonormal bases of what of a signature a refit does not absorb.
 
@@ -80,9 +96,8 @@ def spans_beyond(base: Fit, scale: Array, variants: Sequence[Array], basis: Arra
     """
     spans = []
     for variant in variants:
-        columns = weighted(base, scale, variant)
-        rest = columns - basis @ (basis.T @ columns)
-        whole = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
+        whole = np.maximum(np.linalg.norm(weighted(base, scale, variant), axis=0), 1e-30)
+        rest = beyond_refit(base, scale, variant, basis)
         kept = np.linalg.norm(rest, axis=0) > 1e-6 * whole
         if kept.any():
             spans.append(orthonormal(rest[:, kept]))

@@ -13,7 +13,7 @@ HALF = np.sqrt(RISE)
 def profile(cost_vector, vector, jacobian, low=-np.inf, high=np.inf):
     bounds = np.full(len(vector), low), np.full(len(vector), high)
     problem = SimpleNamespace(cost_vector=cost_vector, bounds=bounds)
-    return _Profile(problem, np.array(vector), np.array(jacobian))
+    return _Profile(problem, np.array(vector), np.array(jacobian), RISE)
 
 
 def test_of_a_linear_problem_it_is_the_interval_from_the_curvature():

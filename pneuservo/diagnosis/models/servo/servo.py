@@ -93,7 +93,7 @@ class ServoModel(Model):
         recording, fed = _without_hum(recording, with_observer(feed(recording, rig), rig), rig)
         if "stick-mask" in self.without:
             fed = with_gains(replace(fed, held=fed.touching), rig)
-        found = []
+        found: list[Case] = []
         for channel, unit in _JUDGED:
             if channel not in recording:
                 continue
@@ -232,7 +232,7 @@ def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, 
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
         left[_PLACE, fed.held] = smoothed_out[fed.held]
         shares[_PLACE, fed.held] = 1.0
-        hum = hum_in(left, shares, fed.time)
+        hum = hum_in(list(left), list(shares), fed.time)
         if not np.any(hum):
             break
         channels = dict(recording.channels)

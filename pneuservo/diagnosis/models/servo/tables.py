@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Case, Table
 from pneuservo.diagnosis.models.servo.feed import Array, Feed
+from pneuservo.effects import Effect
 from pneuservo.effects.unexplained import EFFECTS
 from pneuservo.plant.servo.unexplained_effects import QUANTITIES
 from pneuservo.rigs import Rig
@@ -14,6 +15,7 @@ _OUTERMOST = 0.5
 """Percentile of a quantity at the first knot, and from above at the last."""
 _WANDER = 1.0
 """The zeros of the pressure transducers may wander by as much as their noise."""
+_OF_THE_PISTON = ("displacement", "velocity")
 _UNITS = ("m", "m", "m", "m/s", "Pa", "Pa", "", "s", "Pa")
 
 
@@ -45,7 +47,7 @@ def tables_of(cases: Sequence[Case]) -> list[Table]:
             found.append(
                 Table(
                     effect.id,
-                    effect.block,
+                    _block(effect, quantity),
                     size.meaning.partition(" at knot")[0],
                     size.unit,
                     quantity.replace("_", " in chamber "),
@@ -63,6 +65,18 @@ def tables_of(cases: Sequence[Case]) -> list[Table]:
                 )
             )
     return found
+
+
+def _block(effect: Effect, quantity: str) -> str:
+    """Return where something acts that depends on a quantity.
+
+    What a chamber does goes by where the piston is and how fast; a flow that goes by anything
+    else comes through the valve. A force that goes by time alone is the load's.
+    """
+    size = effect.parameters[0]
+    if size.unit == "N":
+        return "load" if quantity == "time" else effect.block
+    return effect.block if quantity.startswith(_OF_THE_PISTON) else "valve.flow"
 
 
 def _quantities(fed: Feed, rig: Rig) -> list[Array]:
