@@ -21,6 +21,7 @@ SMALLEST_SHARE = 0.02
 SECOND_SHARE = 0.05
 """Share that an effect beside another has to account for where forms of laws are compared that
 differ from the real ones: they leave up to 5 % of an effect (section 5 of the method notes)."""
+_ONE_CHANNEL = 0.5
 AS_GOOD = 0.1**2
 """Share by which the simplest effect may fall behind the best and still be named first: the energy
 of the tenth of an effect that is left where forms of laws differ."""
@@ -85,6 +86,21 @@ def gain(current: Fit, closer: Fit) -> float:
         Of the same recordings.
     """
     return current.samples * (current.rms**2 - closer.rms**2)
+
+
+def channel_gain(current: Fit, closer: Fit, channel: str) -> float:
+    """Return the drop of the sum of squares of one channel, in the spread that it has at last.
+
+    Parameters
+    ----------
+    current, closer : Fit
+        Of the same recordings.
+    channel : str
+        The channel.
+    """
+    spread = closer.rms_of(channel) ** 2
+    drop = current.rms_of(channel) ** 2 - spread
+    return current.samples_of(channel) * drop / spread
 
 
 @dataclass(frozen=True)
@@ -181,8 +197,19 @@ class ByGain:
         return min(alike or [best], key=lambda name: (tried[name].unknowns, evidence[name]))
 
     def share(self, closer: Fit) -> float:
-        """Return the share of all that is explained so far."""
-        return gain(self.current, closer) / max(gain(self.baseline, closer), 1e-300)
+        """Return the share of all that is explained so far, or half of that in one channel.
+
+        What the form of a law leaves is left where the law acts: an effect that shows elsewhere
+        does not have to compete with it.
+        """
+        whole = gain(self.current, closer) / max(gain(self.baseline, closer), 1e-300)
+        found = [whole]
+        for channel in closer.effective:
+            here = channel_gain(self.current, closer, channel)
+            if here > LEAST_GAIN:
+                explains = max(channel_gain(self.baseline, closer, channel), here)
+                found.append(_ONE_CHANNEL * here / explains)
+        return max(found)
 
     def _too_small(self, name: str, found: Fit) -> bool:
         """Return whether an effect came out smaller than real parts ever show it."""

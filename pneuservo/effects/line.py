@@ -42,7 +42,7 @@ RESONANCE = Effect(
     equation="m'' = w^2 (m_valve - m) - 2 damping w m', w = 2 pi frequency sqrt(V_mid/V)",
     parameters=(
         EffectParameter(
-            "frequency", "Hz", 0.0, 0.0, 300.0, (32.0, 90.0), "at mid-stroke; 0 for none",
+            "frequency", "Hz", 0.0, 0.0, 400.0, (32.0, 90.0, 200.0), "at mid-stroke; 0 for none",
             "line.frequency",
         ),
         EffectParameter("damping", "", 0.2, 0.01, 1.5, (0.2,), "damping ratio", "line.damping"),

@@ -45,8 +45,8 @@ AMPLITUDE_BANDWIDTH = Effect(
     equation="|xs''| <= acceleration",
     parameters=(
         EffectParameter(
-            "acceleration", "1/s**2", 0.0, 0.0, 2e6, (4e5,), "largest acceleration; 0 for no limit",
-            "spool.acceleration_limit",
+            "acceleration", "1/s**2", 0.0, 0.0, 2e6, (4e5, 1.2e6),
+            "largest acceleration; 0 for no limit", "spool.acceleration_limit",
         ),
     ),
     source="valve data sheet: 500 Hz at 2.5 %, 135 Hz at full stroke; thesis section 3.1.1.2",
@@ -60,7 +60,7 @@ SLEW = Effect(
     equation="|xs'| <= rate",
     parameters=(
         EffectParameter(
-            "rate", "1/s", 0.0, 0.0, 400.0, (100.0,), "full strokes per second; 0 for no limit",
+            "rate", "1/s", 0.0, 0.0, 1e3, (100.0, 300.0), "full strokes per second; 0 for no limit",
             "spool.rate_limit",
         ),
     ),
