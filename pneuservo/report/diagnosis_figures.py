@@ -21,7 +21,15 @@ _CHAINS = {
     "seal-tester": ("chamber.a", "piston", "load", "sensor.force"),
     "circuit": ("circuit",),
     "analogue-card": ("card.differentiator", "card.surface", "card.boundary-layer", "card.relay"),
-    "single-axis": ("valve.spool", "valve.flow", "chamber.a", "chamber.b", "piston", "load"),
+    "single-axis": (
+        "supply",
+        "valve.spool",
+        "valve.flow",
+        "chamber.a",
+        "chamber.b",
+        "piston",
+        "load",
+    ),
 }
 
 

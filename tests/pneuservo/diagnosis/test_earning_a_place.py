@@ -1,0 +1,66 @@
+"""What an effect has to explain beside others, and which candidates promise anything."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pneuservo.diagnosis.judge import LEAST_GAIN, SECOND_SHARE, ByGain
+from pneuservo.diagnosis.screen import _adds
+
+SAMPLES = 10_000
+
+
+def left(**rms):
+    """Return what stands for a fit that leaves so much of each channel."""
+    return SimpleNamespace(
+        rms=float(np.sqrt(np.mean(np.square(list(rms.values()))))),
+        samples=SAMPLES * len(rms),
+        effective=dict.fromkeys(rms, SAMPLES),
+        rms_of=rms.__getitem__,
+        samples_of=lambda channel: SAMPLES,
+        hypothesis=SimpleNamespace(members=("first",)),
+    )
+
+
+def share(baseline, current, closer):
+    return ByGain(current, baseline, (), lambda name, fit: 0.0).share(closer)
+
+
+def test_what_the_form_of_a_large_effect_leaves_earns_no_second_place():
+    # The first effect explains all but 3 % of what was in the displacement, the second those 3 %.
+    found = share(
+        left(displacement=3.0, pressure_a=1.0),
+        left(displacement=1.11, pressure_a=1.0),
+        left(displacement=1.0, pressure_a=1.0),
+    )
+    assert found == pytest.approx(0.029, abs=0.005)
+    assert found < SECOND_SHARE
+
+
+def test_an_effect_in_another_channel_does_not_compete_with_it():
+    found = share(
+        left(displacement=3.0, pressure_a=1.02),
+        left(displacement=1.0, pressure_a=1.02),
+        left(displacement=1.0, pressure_a=1.0),
+    )
+    assert found > SECOND_SHARE
+    # Noise is no channel of its own: there the gain is too small to count.
+    few = np.sqrt(1.0 + 0.5 * LEAST_GAIN / SAMPLES)
+    unseen = share(
+        left(displacement=3.0, pressure_a=few),
+        left(displacement=1.0, pressure_a=few),
+        left(displacement=1.0, pressure_a=1.0),
+    )
+    assert unseen < SECOND_SHARE
+
+
+def test_less_than_none_of_an_effect_promises_nothing():
+    rng = np.random.default_rng(1)
+    signature, shape = rng.standard_normal((2, 1000))
+    assert _adds(signature[:, np.newaxis], 0.5 * signature)
+    assert not _adds(signature[:, np.newaxis], -0.5 * signature)
+    # Of two columns together the size is what counts.
+    both = np.column_stack([signature, signature + 0.1 * shape])
+    assert _adds(both, signature - 2.0 * both[:, 1])
+    assert not _adds(both, -signature)

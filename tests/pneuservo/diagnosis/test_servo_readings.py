@@ -1,0 +1,108 @@
+"""How recordings of the servo are read: hum, stops, the supply, and what the command does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from servo_recordings import NOISE, recorded
+
+from pneuservo.controllers import Proportional, SlidingMode
+from pneuservo.diagnosis.models.servo.servo import ServoModel
+from pneuservo.diagnosis.variants import likeliest
+from pneuservo.recordings import Recording
+from pneuservo.rigs import load_rig
+from pneuservo.simulation import simulate
+
+TIME = np.arange(0.0, 6.0, 1e-3)
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return load_rig("single-axis")
+
+
+def by_channel(model, cases, values):
+    """Return what is left of each channel, in units of its noise."""
+    return {c.channel: c.measured - model.predict(c, values) for c in cases}
+
+
+def test_mains_hum_is_taken_out_of_every_channel(rig):
+    clean = recorded(rig, Proportional(), 4)
+    angle = 2.0 * np.pi * 49.97 * clean.time
+    hum = 0.4 * np.sin(angle) + 0.2 * np.sin(3.0 * angle + 1.0)
+    loud = {name: clean[name] + NOISE[name] * hum for name in NOISE}
+    cases = ServoModel().cases(replace(clean, channels={**clean.channels, **loud}), rig)
+    assert [case.channel for case in cases] == ["displacement", "pressure_a", "pressure_b"]
+    for case in cases[1:]:
+        left = case.measured * case.scale - clean[case.channel]
+        assert np.std(left) < 0.4 * np.std(NOISE[case.channel] * hum)
+
+
+def pressed(rig, offset):
+    """Return a run into both stops, the displacement's zero off by some."""
+    command = np.where(TIME % 2.0 < 1.0, 3.0, -3.0)
+    run = simulate(rig, time=TIME, command=command)
+    rng = np.random.default_rng(5)
+    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(TIME)) for name in NOISE}
+    channels["displacement"] += offset
+    return Recording("stops", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+
+
+def test_a_piston_pressed_on_a_stop_tells_the_zero_of_its_transducer(rig):
+    model = ServoModel()
+    cases = model.cases(pressed(rig, 1e-4), rig)
+    fed = cases[0].inputs["feed"]
+    assert np.mean(fed.resting == -1) > 0.2
+    assert np.mean(fed.resting == 1) > 0.2
+    for values, mean in (({}, 1e-4), ({"sensor.position-offset:offset": 1e-4}, 0.0)):
+        left = by_channel(model, cases, values)["displacement"] * cases[0].scale
+        for side in (-1, 1):
+            assert np.mean(left[fed.resting == side]) == pytest.approx(mean, abs=3e-6)
+
+
+def test_pressures_count_while_the_piston_rests_at_a_stop(rig):
+    model = ServoModel()
+    cases = read_as(model, model.cases(pressed(rig, 0.0), rig))
+    fed = cases[0].inputs["feed"]
+    rests = fed.resting != 0
+    assert np.mean(fed.shares[rests, 0]) > 0.8
+    assert np.std(by_channel(model, cases, {})["pressure_a"][rests]) == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_measured_supply_is_held_against_source_and_line(rig):
+    sag = {"supply.sag:volume": 5e-5, "supply.sag:area": 8e-7}
+    command = np.where(TIME % 0.4 < 0.2, 3.0, -3.0)
+    run = simulate(rig.with_values(sag), time=TIME, command=command)
+    rng = np.random.default_rng(6)
+    noise = {**NOISE, "supply_pressure": 500.0}
+    channels = {name: run[name] + rng.normal(0.0, noise[name], len(TIME)) for name in noise}
+    recording = Recording("sag", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+    model = ServoModel()
+    cases = model.cases(recording, rig)
+    source = {"supply_level": rig["supply.pressure"]}
+    dip = float(np.std(run["supply_pressure"])) / 500.0
+    assert dip > 5.0
+    plain, sagging = (by_channel(model, cases, {**v, **source}) for v in ({}, sag))
+    assert np.std(plain["supply_pressure"]) > dip
+    assert np.std(sagging["supply_pressure"]) == pytest.approx(1.0, abs=0.1)
+    # The chambers are driven by what was measured, whatever the supply is said to do.
+    assert np.array_equal(plain["pressure_a"], sagging["pressure_a"])
+
+
+def read_as(model, cases):
+    """Return the cases in the likelier reading of their command."""
+    readings = model.readings(cases)
+    return readings[likeliest(model, readings, lambda step: None)[0]]
+
+
+def test_a_held_command_is_told_from_one_that_runs_on(rig):
+    model = ServoModel()
+    rng = np.random.default_rng(9)
+    running = read_as(model, model.cases(recorded(rig, SlidingMode(), 8), rig))
+    assert running[0].inputs["feed"].ramped
+    steps = np.repeat(rng.uniform(0.3, 2.0, 150) * np.resize([1.0, -1.0], 150), 40)
+    run = simulate(rig, time=TIME, command=steps)
+    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(TIME)) for name in NOISE}
+    sampled = Recording("steps", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+    held = read_as(model, model.cases(sampled, rig))
+    assert not held[0].inputs["feed"].ramped
