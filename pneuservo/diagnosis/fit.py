@@ -180,6 +180,24 @@ class Fit:
         whole = np.concatenate([columns, np.zeros((len(self.distance), *columns.shape[1:]))])
         return np.asarray(whole - self.absorbed @ (self.absorbed.T @ whole))
 
+    def loosened(self, parameter: str, left: Array, basis: Array | None = None) -> float:
+        """Return what forgetting the tolerance of a parameter would gain: one row less to fit.
+
+        Parameters
+        ----------
+        parameter : str
+            Its id.
+        left : (n + t,) array
+            Weighted residuals beyond a refit; see `beyond_refit`.
+        basis : (n + t, m) array, optional
+            Of what a refit absorbs, in other weights.
+        """
+        if parameter not in self.tolerated:
+            return 0.0
+        row = self.samples + self.tolerated.index(parameter)
+        leverage = float(np.sum((self.absorbed if basis is None else basis)[row] ** 2))
+        return float(left[row] ** 2) / max(1.0 - leverage, 1e-9)
+
     @property
     def all_effective(self) -> float:
         """Return what all samples together are worth."""

@@ -140,10 +140,14 @@ class Pretence:
         Returns
         -------
         float
-            The larger of what its signatures and what it does at its fitted size would gain.
+            The larger of what its signatures and what it does at its fitted size would gain; of a
+            parameter, what leaving its tolerance would.
         """
         if "imitations" in self._model.without:
             return 0.0
+        if name.startswith("param."):
+            parameter = name.removeprefix("param.")
+            return max((beside.loosened(parameter, c) for c in self.copies(beside)), default=0.0)
         change = beside.weighted - beside.weigh(closer.residuals)
         scale = closer.row_scale() / beside.row_scale()
         columns = closer.sensitivities(name) * scale[:, np.newaxis]

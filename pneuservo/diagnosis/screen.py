@@ -104,7 +104,7 @@ def _scores(
                 variants = [v for v in variants if _adds(beyond_refit(base, scale, v, basis), left)]
             score[name] = most_gained(spans_beyond(base, scale, variants, basis), left)
         else:
-            score[name] = _loosened_score(base, name, basis, left)
+            score[name] = base.loosened(name.removeprefix("param."), left, basis)
     return score
 
 
@@ -118,13 +118,3 @@ def _rescaled(base: Fit, scale: Array) -> Array:
     sensitivity = base.sensitivity.copy()
     sensitivity[: base.samples] *= (base.row_scale() / scale)[:, np.newaxis]
     return sensitivity
-
-
-def _loosened_score(base: Fit, name: str, basis: Array, left: Array) -> float:
-    """Return what forgetting the tolerance of a parameter would gain: one row less to fit."""
-    key = name.removeprefix("param.")
-    if key not in base.tolerated:
-        return 0.0
-    row = base.samples + base.tolerated.index(key)
-    leverage = float(np.sum(basis[row] ** 2))
-    return float(left[row] ** 2) / max(1.0 - leverage, 1e-9)
