@@ -12,9 +12,9 @@ from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
+from pneuservo.diagnosis.readings import likeliest
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
-from pneuservo.diagnosis.variants import likeliest
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings import Recording

@@ -66,21 +66,33 @@ def hum_in(residuals: Sequence[Array], shares: Sequence[Array], time: Array) -> 
         return found
     beside = [_powers_beside(r, time) for r in residuals]
 
-    def strength(frequency: float) -> float:
-        return sum(
-            _standing_out(residual, share, time, k * frequency, floor)[0]
+    def lines(mains: float) -> list[list[tuple[float, Array]]]:
+        """Return how each harmonic stands out of each channel, and its line there."""
+        harmonics = [k * mains for k in HARMONICS if k * mains < highest]
+        waves = [_waves(time, frequency) for frequency in harmonics]
+        return [
+            [
+                _standing_out(residual, share, wave, frequency, floor)
+                for wave, frequency in zip(waves, harmonics, strict=True)
+            ]
             for residual, share, floor in zip(residuals, shares, beside, strict=True)
-            for k in HARMONICS
-            if k * frequency < highest
-        )
+        ]
 
-    mains = max(tried, key=strength)
-    for frequency in (mains * k for k in HARMONICS if mains * k < highest):
-        for place, (residual, share) in enumerate(zip(residuals, shares, strict=True)):
-            ratio, line = _standing_out(residual, share, time, frequency, beside[place])
+    best = max((lines(mains) for mains in tried), key=_strength)
+    for place, channel in enumerate(best):
+        for ratio, line in channel:
             if ratio > LINE:
                 found[place] += line
     return found
+
+
+def _strength(lines: Sequence[Sequence[tuple[float, Array]]]) -> float:
+    return sum(ratio for channel in lines for ratio, _ in channel)
+
+
+def _waves(time: Array, frequency: float) -> Array:
+    angle = 2.0 * np.pi * frequency * time
+    return np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def _powers_beside(residual: Array, time: Array) -> tuple[Array, Array]:
@@ -91,16 +103,14 @@ def _powers_beside(residual: Array, time: Array) -> tuple[Array, Array]:
 
 
 def _standing_out(
-    residual: Array, share: Array, time: Array, frequency: float, beside: tuple[Array, Array]
+    residual: Array, share: Array, waves: Array, frequency: float, beside: tuple[Array, Array]
 ) -> tuple[float, Array]:
     """Return by how much a line exceeds the power beside it, and the line itself."""
     away = np.abs(beside[0] - frequency)
     floor = float(np.mean(beside[1][(away > _BESIDE[0]) & (away < _BESIDE[1])]))
     there = float(np.mean(share > 0.0))
     if not floor > 0.0 or there < _LEAST_SEEN:
-        return 0.0, np.zeros(len(time))
-    angle = 2.0 * np.pi * frequency * time
-    waves = np.column_stack([np.cos(angle), np.sin(angle)])
+        return 0.0, np.zeros(len(waves))
     seen = waves * share[:, np.newaxis]
     size = np.linalg.lstsq(seen, residual, rcond=None)[0]
     taken = float(np.sum(residual**2) - np.sum((residual - seen @ size) ** 2))

@@ -1,13 +1,14 @@
 """Which candidates are worth a fit: those whose signature the residual contains."""
 
 from collections.abc import Collection, Sequence
+from functools import partial
 
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit, orthonormal
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.signatures import Signatures, beyond_refit, most_gained, spans_beyond
+from pneuservo.diagnosis.signatures import Signatures, most_gained, spans_beyond
 
 WORTH_FITTING = 6
 """So many effects are fitted at each step; where there are no more, all of them."""
@@ -99,10 +100,9 @@ def _scores(
     score = {}
     for name in names:
         if name in signatures:
-            variants = signatures[name]
-            if name in one_sided:
-                variants = [v for v in variants if _adds(beyond_refit(base, scale, v, basis), left)]
-            score[name] = most_gained(spans_beyond(base, scale, variants, basis), left)
+            counts = partial(_adds, left=left) if name in one_sided else None
+            spans = spans_beyond(base, scale, signatures[name], basis, counts)
+            score[name] = most_gained(spans, left)
         else:
             score[name] = base.loosened(name.removeprefix("param."), left, basis)
     return score

@@ -1,7 +1,7 @@
 """What each effect would change in recordings, and what of that a refit would not absorb."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -66,23 +66,13 @@ def weighted(base: Fit, scale: Array, columns: Array) -> Array:
     return np.vstack([columns / scale[:, np.newaxis], rows])
 
 
-def beyond_refit(base: Fit, scale: Array, variant: Array, basis: Array) -> Array:
-    """Return what of a signature a refit does not absorb.
-
-    Parameters
-    ----------
-    base, scale
-        As for `weighted`.
-    variant : (n, k) array
-        The signature from one start.
-    basis : (n + t, m) array
-        Of what a refit absorbs.
-    """
-    columns = weighted(base, scale, variant)
-    return np.asarray(columns - basis @ (basis.T @ columns))
-
-
-def spans_beyond(base: Fit, scale: Array, variants: Sequence[Array], basis: Array) -> list[Array]:
+def spans_beyond(
+    base: Fit,
+    scale: Array,
+    variants: Sequence[Array],
+    basis: Array,
+    counts: Callable[[Array], bool] | None = None,
+) -> list[Array]:
     """Return orthonormal bases of what of a signature a refit does not absorb.
 
     Parameters
@@ -93,11 +83,16 @@ def spans_beyond(base: Fit, scale: Array, variants: Sequence[Array], basis: Arra
         One signature from several starts.
     basis : (n + t, m) array
         Of what a refit absorbs.
+    counts : callable, optional
+        Takes what a refit leaves of a variant, and returns whether the variant is to be counted.
     """
     spans = []
     for variant in variants:
-        whole = np.maximum(np.linalg.norm(weighted(base, scale, variant), axis=0), 1e-30)
-        rest = beyond_refit(base, scale, variant, basis)
+        columns = weighted(base, scale, variant)
+        rest = columns - basis @ (basis.T @ columns)
+        if counts is not None and not counts(rest):
+            continue
+        whole = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
         kept = np.linalg.norm(rest, axis=0) > 1e-6 * whole
         if kept.any():
             spans.append(orthonormal(rest[:, kept]))

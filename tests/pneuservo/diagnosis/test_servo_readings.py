@@ -8,7 +8,7 @@ from servo_recordings import NOISE, recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.variants import likeliest
+from pneuservo.diagnosis.readings import likeliest
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate

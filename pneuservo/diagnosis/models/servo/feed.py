@@ -1,6 +1,7 @@
 """A recording of the servo as its observer is fed with it."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -103,6 +104,10 @@ class Feed:
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
+
+    def noise_of(self, channels: Sequence[str]) -> Array:
+        """Return the noise of some channels, one of those that were not recorded [SI]."""
+        return np.array([self.noise.get(name, 1.0) for name in channels])
 
 
 def feed(recording: Recording, rig: Rig) -> Feed:

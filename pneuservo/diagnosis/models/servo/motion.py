@@ -89,10 +89,9 @@ def smooth_motion(
         REST_CHANGE**2 / FORCE_CHANGE_TIME,
     )
     interval = float(np.median(np.diff(time)))
-    average = max(1, round(FORCE_SMOOTHING / interval))
-    most = friction + REST_FORCE * driving_rms / math.sqrt(average)
+    most = friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
     share = _at_rest(rest_likelihood - likelihood, interval)
-    share[_largest(known, average, max(1, round(REST_TIME / interval))) > most] = 0.0
+    share[_largest(known, interval) > most] = 0.0
     motion = moving + share[:, np.newaxis] * (resting - moving)
     return motion[:, 0] + start, motion[:, 1], motion[:, 2], known_to
 
@@ -106,13 +105,31 @@ def _at_rest(likelier: Array, interval: float) -> Array:
     return np.asarray(expit(width * uniform_filter1d(likelier, width, mode="nearest")))
 
 
-def _largest(driving: Array, average: int, width: int) -> Array:
+def _largest(driving: Array, interval: float) -> Array:
     """Return the largest averaged size around each sample."""
-    from scipy.ndimage import maximum_filter1d, uniform_filter1d
+    from scipy.ndimage import maximum_filter1d
 
-    return np.asarray(
-        maximum_filter1d(np.abs(uniform_filter1d(driving, average, mode="nearest")), width)
-    )
+    width = max(1, round(REST_TIME / interval))
+    return np.asarray(maximum_filter1d(np.abs(averaged_force(driving, interval)), width))
+
+
+def averaged_force(force: Array, interval: float) -> Array:
+    """Return a force without most of the noise of the pressures behind it.
+
+    Parameters
+    ----------
+    force : (n,) array
+        Or the acceleration that it gives [any unit].
+    interval : float
+        Of the samples [s].
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(uniform_filter1d(force, _averaged_samples(interval), mode="nearest"))
+
+
+def _averaged_samples(interval: float) -> int:
+    return max(1, round(FORCE_SMOOTHING / interval))
 
 
 @compiled

@@ -105,10 +105,12 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     A measured supply pressure drives the chambers as it is: what the supply does shows in its
     own channel alone.
     """
-    left, _, _, drawn = _observe(fed, values, rig, fed.gains, fed.shares, learning=False)
+    plant, effects = numbers(values, rig)
+    left, _, _, drawn = _observe(
+        fed, values, (plant, effects), rig, fed.gains, fed.shares, learning=False
+    )
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
-        plant, effects = numbers(values, rig)
         level = values.get(SUPPLY_LEVEL, float(np.mean(fed.supply)))
         expected = expected_supply(fed.time, level, drawn, plant, effects.supply)
         beyond = np.nan_to_num(fed.supply_reading - expected)
@@ -138,14 +140,20 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, 4, 3)), np.zeros((samples, 3))
-    _, path, known, _ = _observe(fed, {}, rig, gains, shares, learning=True)
+    _, path, known, _ = _observe(fed, {}, numbers({}, rig), rig, gains, shares, learning=True)
     return gains, shares, path, float(np.median(known[samples // 10 :]))
 
 
 def _observe(
-    fed: Feed, values: Values, rig: Rig, gains: Array, shares: Array, learning: bool
+    fed: Feed,
+    values: Values,
+    known: tuple[SingleAxis, ServoEffects],
+    rig: Rig,
+    gains: Array,
+    shares: Array,
+    learning: bool,
 ) -> tuple[Array, Array, Array, Array]:
-    plant, effects = numbers(values, rig)
+    plant, effects = known
     if fed.supply is not None:
         effects = effects._replace(supply=SupplyEffects())
     motion, pressures = truth(fed, plant, effects)
@@ -153,7 +161,6 @@ def _observe(
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    noise = [fed.noise.get(name, 1.0) for name in FOLLOWED]
     found: tuple[Array, Array, Array, Array] = observe(
         fed.time,
         fed.voltage,
@@ -166,7 +173,7 @@ def _observe(
         fed.held,
         fed.resting,
         fed.reversal * values.get(REVERSAL, 1.0),
-        np.array(noise) ** 2,
+        fed.noise_of(FOLLOWED) ** 2,
         fed.spread,
         gains,
         shares,

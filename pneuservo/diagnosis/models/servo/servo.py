@@ -225,8 +225,8 @@ def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, 
     Innovations show a line as it is read; what is taken out shows what the motion had taken up.
     """
     for _ in range(_HUM_PASSES):
-        noise = [fed.noise.get(name, 1.0) for name in CHANNELS]
-        left = run_observer(fed, {}, rig) / np.array(noise)[:, np.newaxis]
+        noise = fed.noise_of(CHANNELS)
+        left = run_observer(fed, {}, rig) / noise[:, np.newaxis]
         shares = np.vstack([fed.shares.T, np.ones_like(fed.time)])
         # While the piston sticks it is not judged, but there hum shows best.
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
@@ -252,8 +252,8 @@ def _unlikeliness(fed: Feed, values: Values, rig: Rig) -> float:
     curve = np.abs(np.diff(fed.voltage, 2, prepend=fed.voltage[0], append=fed.voltage[-1]))
     bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
     calm = bend <= np.median(bend)
-    noise = np.array([fed.noise.get(name, 1.0) for name in FOLLOWED])[:, np.newaxis]
-    square = (run_observer(fed, values, rig)[: len(FOLLOWED)] / noise) ** 2
+    noise = fed.noise_of(FOLLOWED)[:, np.newaxis]
+    square = (_innovations(fed, values, rig)[: len(FOLLOWED)] / noise) ** 2
     there = fed.shares.T > 0.0
     total = 0.0
     for squares, shares, seen in zip(square, fed.shares.T, there, strict=True):

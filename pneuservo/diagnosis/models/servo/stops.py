@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.models.servo.motion import averaged_force
 
 NEAR_STOP = 5e-4
 """Distance from a stop within which the piston may touch it [m]."""
@@ -15,8 +16,6 @@ PRESSED = 2.0
 """A piston that rests though it is pushed by so many times its friction is held by a stop."""
 PRESSED_FOR = 0.05
 """Time for which it has to be [s]."""
-FORCE_SMOOTHING = 5e-3
-"""Time over which the force is averaged [s]."""
 
 
 def around(moments: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
@@ -71,10 +70,9 @@ def resting(
     interval, stroke : float
         Of the samples [s]; of the piston [m].
     """
-    from scipy.ndimage import binary_opening, uniform_filter1d
+    from scipy.ndimage import binary_opening
 
-    width = max(1, round(FORCE_SMOOTHING / interval))
-    push = uniform_filter1d(force, width, mode="nearest")
+    push = averaged_force(force, interval)
     window = np.ones(max(2, round(PRESSED_FOR / interval)))
     retracted = still & (push < -PRESSED * friction) & (displacement < FARTHEST)
     extended = still & (push > PRESSED * friction) & (displacement > stroke - FARTHEST)
