@@ -6,7 +6,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 WANDER = 0.35
-"""The zero of a transducer wanders by this share of its white noise ..."""
+"""The zero of a transducer wanders by up to this share of its white noise ..."""
+LIKELY_WANDER = 0.25
+"""... by this share as a rule ..."""
 WANDER_TIME = 0.5
 """... within this time [s]: a third of the power of recorded noise is below some hertz."""
 _NEIGHBOURS = 7

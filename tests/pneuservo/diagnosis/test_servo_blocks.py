@@ -44,8 +44,8 @@ def test_the_velocity_is_recovered_far_better_than_by_differences(rig):
     force = force - rig["piston.area_b"] * (run["pressure_b"] - ambient)
     driving = force / mass + rig["load.gravity"] + rng.normal(0.0, 0.17, len(TIME))
     friction = rig["piston.coulomb_friction"] / mass
-    *motion, stated = smooth_motion(TIME, noisy, 1e-5, driving, 0.17, friction)
-    error = motion[1] - run["velocity"]
+    *motion, velocity_rms = smooth_motion(TIME, noisy, 1e-5, driving, 0.17, friction)
+    error, stated = motion[1] - run["velocity"], float(np.max(velocity_rms))
     # Differences of this noise are wrong by 14 mm/s.
     assert np.std(error) < 1e-3
     # Friction that turns round is no random walk: the stated uncertainty is a little large.
@@ -101,7 +101,9 @@ def test_a_wrong_parameter_shows_in_its_own_block_first(rig, parameter, factor, 
     wrong = innovations(recording, rig, {parameter: rig[parameter] * factor})
     growth = {name: np.std(wrong[name]) / np.std(right[name]) for name in right}
     assert growth[channel] > 1.05
-    assert all(growth[name] < growth[channel] for name in growth if name != channel)
+    # A wrong flow moves the piston too: which chamber it is shows in the pressures.
+    rivals = set(growth) if channel == "displacement" else {"pressure_a", "pressure_b"}
+    assert all(growth[name] < growth[channel] for name in rivals - {channel})
 
 
 def test_an_effect_shows_in_its_own_block_first(rig):

@@ -64,6 +64,8 @@ class Feed:
         While the piston sticks or lies at a stop.
     reversal : float
         How well the velocity is known: friction turns round over this [m/s].
+    velocity_rms : (n,) array
+        How well the velocity is known [m/s].
     touching, striking : (n,) array of bool
         While the piston may touch a stop, and while it moves there.
     resting : (n,) array of int
@@ -74,8 +76,8 @@ class Feed:
         Noise of each judged channel [SI].
     spread_of_force : float
         What the noise of both pressures makes of the force on the piston [N].
-    gains : (n, 4, 3) array
-        What each innovation corrects, in the observer.
+    gains : (n, GAIN_ROWS, 3) array
+        What each error of expectation corrects, in the observer.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
     done : Recent
@@ -95,6 +97,7 @@ class Feed:
     force: Array
     held: NDArray[np.bool_]
     reversal: float
+    velocity_rms: Array
     touching: NDArray[np.bool_]
     striking: NDArray[np.bool_]
     resting: NDArray[np.int64]
@@ -151,6 +154,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         force=force,
         held=np.zeros(len(time), dtype=bool),
         reversal=SLOWEST_MOTION,
+        velocity_rms=np.full_like(time, SLOWEST_MOTION),
         touching=np.zeros(len(time), dtype=bool),
         striking=np.zeros(len(time), dtype=bool),
         resting=np.zeros(len(time), dtype=np.int64),
@@ -180,7 +184,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         gauge = fed.pressures - rig["ambient.pressure"]
         driving = (areas[0] * gauge[0] - areas[1] * gauge[1] - fed.force) / mass
         driving += rig["load.gravity"]
-    *smoothed, uncertainty = smooth_motion(
+    *smoothed, velocity_rms = smooth_motion(
         fed.time,
         fed.reading,
         fed.noise["displacement"],
@@ -188,12 +192,15 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         (force_rms or 0.0) / mass,
         rig["piston.coulomb_friction"] / mass,
     )
-    motion, reversal = np.array(smoothed), max(float(uncertainty), SLOWEST_MOTION)
+    motion, reversal = np.array(smoothed), max(float(np.max(velocity_rms)), SLOWEST_MOTION)
+    # Known less well than the smoother says where friction turns round, but not at rest.
+    velocity_rms = np.where(velocity_rms < 0.5 * reversal, velocity_rms, reversal)
     if np.nanstd(fed.reading) < AT_REST * fed.noise["displacement"]:
         # Of a piston that never moves only noise would be taken for motion.
         motion = np.array(
             [np.full_like(fed.time, np.mean(motion[0])), *np.zeros((2, len(fed.time)))]
         )
+        velocity_rms = np.zeros_like(fed.time)
     interval = float(np.median(np.diff(fed.time)))
     stroke, slow = rig["piston.stroke"], STICKING * reversal
     near, still = touching(motion[0], interval, stroke), _held(motion[1], slow, interval)
@@ -201,11 +208,13 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     if driving is not None and force_rms is not None:
         friction = rig["piston.coulomb_friction"] + force_rms
         rests = resting(motion[0], still, mass * driving, friction, interval, stroke)
+    motion[1:, rests != 0] = 0.0
     moved = replace(
         fed,
         motion=motion,
         held=still | near,
         reversal=reversal,
+        velocity_rms=np.where(rests != 0, 0.0, velocity_rms),
         touching=near,
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
@@ -231,7 +240,14 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
 
 def _spread(fed: Feed, rig: Rig) -> Array:
     return spread_of_pressures(
-        fed.time, fed.voltage, fed.ramped, fed.striking, fed.noise, fed.reversal, rig
+        fed.time,
+        fed.voltage,
+        fed.ramped,
+        fed.striking,
+        fed.held,
+        fed.noise,
+        fed.velocity_rms,
+        rig,
     )
 
 

@@ -95,6 +95,7 @@ def imitated(
         striking=fed.striking,
         resting=fed.resting,
         reversal=fed.reversal,
+        velocity_rms=fed.velocity_rms,
         spread=fed.spread,
         gains=fed.gains,
         shares=fed.shares,

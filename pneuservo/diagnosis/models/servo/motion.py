@@ -30,7 +30,7 @@ def smooth_motion(
     driving: Array | None,
     driving_rms: float,
     friction: float,
-) -> tuple[Array, Array, Array, float]:
+) -> tuple[Array, Array, Array, Array]:
     """Return displacement, velocity and acceleration without the displacement's noise.
 
     Parameters
@@ -52,7 +52,7 @@ def smooth_motion(
     -------
     displacement, velocity, acceleration : (n,) array
         [m], [m/s], [m/s^2].
-    velocity_rms : float
+    velocity_rms : (n,) array
         How well the velocity is known [m/s].
 
     Notes
@@ -61,48 +61,40 @@ def smooth_motion(
     acceleration = driving + disturbance, the disturbance a random walk that takes up friction,
     gravity and a wrong mass. The pressures carry the fast part of the acceleration, so that no
     cut-off has to be chosen. While the piston sticks they do not move it, and what their noise
-    makes of its velocity would go on into the chambers: there a second smoother, without them,
-    takes over, as far as it makes the readings likelier.
+    makes of its velocity would go on into the chambers: where it makes the readings likelier they
+    are left out, and the acceleration changes next to nothing.
     """
     known = np.zeros_like(time) if driving is None else driving
     start = float(displacement[np.isfinite(displacement)][0])
-    smoothed = [
-        _smooth(
-            time,
-            displacement - start,
-            max(noise_rms, 1e-9) ** 2,
-            known,
-            driving_rms**2,
-            change**2 / FORCE_CHANGE_TIME,
+    measured, variance = displacement - start, max(noise_rms, 1e-9) ** 2
+    nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
+
+    def smoothed(rest: NDArray[np.bool_], change: float) -> tuple[Array, Array, Array]:
+        found: tuple[Array, Array, Array] = _smooth(
+            time, measured, variance, known, driving_rms**2, change, rest, friction
         )
-        for change in FORCE_CHANGES
-    ]
-    states, variance, likelihood = max(smoothed, key=lambda found: np.sum(found[2]))
-    known_to = float(np.sqrt(np.median(variance)))
-    moving = np.column_stack([states[:, :2], states[:, 2] + known])
-    resting, _, rest_likelihood = _smooth(
-        time,
-        displacement - start,
-        max(noise_rms, 1e-9) ** 2,
-        np.zeros_like(time),
-        0.0,
-        REST_CHANGE**2 / FORCE_CHANGE_TIME,
-    )
+        return found
+
+    tried = ((smoothed(nowhere, change), change) for change in FORCE_CHANGES)
+    moving, change = max(tried, key=lambda found: float(np.sum(found[0][2])))
+    rest_likelihood = smoothed(everywhere, change)[2]
     interval = float(np.median(np.diff(time)))
     most = friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
-    share = _at_rest(rest_likelihood - likelihood, interval)
-    share[_largest(known, interval) > most] = 0.0
-    motion = moving + share[:, np.newaxis] * (resting - moving)
-    return motion[:, 0] + start, motion[:, 1], motion[:, 2], known_to
+    rest = _at_rest(rest_likelihood - moving[2], interval)
+    rest[_largest(known, interval) > most] = False
+    states, variances, _ = smoothed(rest, change)
+    acceleration = states[:, 2] + np.where(rest, 0.0, known)
+    # Where it breaks away little is known for a moment.
+    velocity_rms = np.sqrt(np.minimum(variances, np.median(moving[1])))
+    return states[:, 0] + start, states[:, 1], acceleration, velocity_rms
 
 
-def _at_rest(likelier: Array, interval: float) -> Array:
-    """Return the probability that the piston rests, from how much likelier that makes readings."""
+def _at_rest(likelier: Array, interval: float) -> NDArray[np.bool_]:
+    """Return where the piston rests, from how much likelier that makes the readings."""
     from scipy.ndimage import uniform_filter1d
-    from scipy.special import expit
 
     width = max(1, round(REST_TIME / interval))
-    return np.asarray(expit(width * uniform_filter1d(likelier, width, mode="nearest")))
+    return np.asarray(uniform_filter1d(likelier, width, mode="nearest") > 0.0)
 
 
 def _largest(driving: Array, interval: float) -> Array:
@@ -141,7 +133,7 @@ def _transition(interval):
 
 
 @compiled
-def _smooth(time, measured, variance, driving, driving_variance, wander):
+def _smooth(time, measured, variance, driving, driving_variance, change, rest, friction):
     n = time.shape[0]
     predicted, filtered = np.zeros((n, 3)), np.zeros((n, 3))
     spread_predicted, spread_filtered = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
@@ -151,7 +143,14 @@ def _smooth(time, measured, variance, driving, driving_variance, wander):
         if k:
             h = time[k] - time[k - 1]
             step = _transition(h)
-            mean = 0.5 * (driving[k] + driving[k - 1])
+            change_here = REST_CHANGE if rest[k] else change
+            wander = change_here * change_here / FORCE_CHANGE_TIME
+            mean, uncertain = 0.0, 0.0
+            if not rest[k]:
+                mean, uncertain = 0.5 * (driving[k] + driving[k - 1]), driving_variance
+            if rest[k] != rest[k - 1]:
+                # The disturbance is what friction leaves of the driving force, and then all of it.
+                spread[2, 2] += (friction + abs(driving[k])) ** 2
             state = step @ state
             state[0] += 0.5 * h * h * mean
             state[1] += h * mean
@@ -159,7 +158,7 @@ def _smooth(time, measured, variance, driving, driving_variance, wander):
             push = np.array([0.5 * h * h, h, 0.0])
             for i in range(3):
                 for j in range(3):
-                    spread[i, j] += driving_variance * push[i] * push[j]
+                    spread[i, j] += uncertain * push[i] * push[j]
             walk = np.array([h**2.5 / 20.0**0.5, h**1.5 / 3.0**0.5, h**0.5])
             # The exact covariance of an integrated random walk.
             spread[0, 0] += wander * walk[0] ** 2

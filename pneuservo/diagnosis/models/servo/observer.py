@@ -1,11 +1,26 @@
-"""The whole servo followed at once, where not every pressure was measured."""
+"""The whole servo followed at once, whether or not every pressure was measured."""
 
 import math
 
 import numpy as np
 
 from pneuservo.diagnosis.models.servo.advance import advance, write_drive
+from pneuservo.diagnosis.models.servo.covariance import (
+    ESTIMATED,
+    FOLLOWED_A,
+    FOLLOWED_B,
+    GAIN_ROWS,
+    POSITION,
+    SPEED,
+    ZEROS,
+    carry_on,
+    force_spread,
+    start_covariance,
+    take_over,
+    weigh,
+)
 from pneuservo.diagnosis.models.servo.push import FELT, friction_direction, push
+from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.servo.layout import (
@@ -18,21 +33,10 @@ from pneuservo.plant.servo.layout import (
     TIME,
 )
 from pneuservo.plant.servo.memory import begin
-from pneuservo.plant.servo.pneumatics import pneumatic_rates
 from pneuservo.plant.servo.sensor_effects import displacement_error, displacement_gain
 from pneuservo.plant.servo.stop_effects import resting_place
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FREE, SPOOL_LIMIT
-
-FOLLOWED_A, FOLLOWED_B, POSITION, SPEED = range(4)
-"""What the observer corrects: both pressures, and the motion as the transducer has it."""
-FORCE_STEP = 0.05
-"""An unmodelled force, as a share of the Coulomb friction, that comes and goes ..."""
-FORCE_TIME = 1e-2
-"""... within this time [s]."""
-UNKNOWN_PRESSURE = 1e5
-"""How little is known of a pressure that is not measured, at the start [Pa]."""
-_SLOPE_STEP = 100.0
 
 
 @compiled
@@ -47,6 +51,7 @@ def observe(
     external_force,
     held,
     resting,
+    velocity_rms,
     reversal,
     variance,
     spread,
@@ -82,14 +87,17 @@ def observe(
         tells nothing ...
     resting : (n,) array of int
         ... unless it is pressed on the retracted (-1) or extended (1) stop, whose place is known.
+    velocity_rms : (n,) array
+        How well the velocity is known that is taken over [m/s].
     reversal : float
         Speed over which friction turns round [m/s].
     variance : (3,) array
         Of the noise of each reading, SI.
     spread : (2, n) array
         Variance that each interval adds to what is known of each pressure [Pa^2].
-    gains : (n, 4, 3) array
-        What each innovation corrects; written while learning.
+    gains : (n, GAIN_ROWS, 3) array
+        What each error of expectation corrects, and what of a later reading it makes expected;
+        written while learning.
     shares : (n, 3) array
         Noise of each reading over the spread its innovation is expected to have; written while
         learning.
@@ -118,8 +126,11 @@ def observe(
     Notes
     -----
     An extended Kalman filter whose gains are worked out once, for the baseline, so that the
-    innovations are nearly linear in what an effect changes. Forces are worked out at the smoothed
-    motion.
+    innovations are nearly linear in what an effect changes. Volumes and which way friction acts
+    follow the smoothed motion. The speed that fills and empties the chambers and that is damped is
+    the observer's own, but while the motion is taken over: what is known of it then counts, and
+    the damping of a noisy speed would look too small. The zeros of the three transducers wander
+    and are followed too: left out, they pretend more of slow effects than real ones show.
     """
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
@@ -137,9 +148,9 @@ def observe(
     remembered[FELT] = true[1, 0]
     position, velocity, lagged = motion[0, 0], motion[1, 0], 0.0
     last = 0.0
-    covariance = np.diag(
-        np.array([UNKNOWN_PRESSURE**2, UNKNOWN_PRESSURE**2, variance[2], reversal**2])
-    )
+    zeros = np.zeros(3)
+    covariance = start_covariance(variance, reversal)
+    before, after = np.zeros(3), np.zeros(3)
     for side in range(2):
         if readings[side, 0] == readings[side, 0]:
             covariance[side, side] = variance[side]
@@ -149,12 +160,15 @@ def observe(
         interval = time[k + 1] - time[k]
         write_drive(drive, k, time, voltage, supply, ramped)
         if learning:
-            _spread_out(
+            carry_on(
                 covariance,
                 state,
                 true[1, k],
+                reversal,
                 interval,
                 spread[:, k],
+                held[k],
+                variance,
                 memory,
                 rows,
                 drive,
@@ -162,10 +176,16 @@ def observe(
                 grid,
                 work,
             )
+        slope = displacement_gain(true[0, k], piston.stroke, effects.sensor)
+        before[:], after[:] = true[:, k], true[:, k + 1]
+        if not held[k]:
+            before[1] += (velocity - motion[1, k]) / slope
+            after[1] += (velocity + interval * last - motion[1, k + 1]) / slope
+        zeros *= math.exp(-interval / WANDER_TIME)
         advance(
             state,
-            true[:2, k],
-            true[:2, k + 1],
+            before[:2],
+            after[:2],
             interval,
             longest_step,
             modes,
@@ -181,7 +201,7 @@ def observe(
         now = push(
             time[k + 1],
             interval,
-            true[:, k + 1],
+            after,
             state[PRESSURE_A],
             state[PRESSURE_B],
             state[SPOOL],
@@ -199,17 +219,18 @@ def observe(
         position += interval * velocity + 0.5 * interval * interval * mean
         velocity += interval * mean
         if held[k + 1]:
-            position, velocity, lagged = motion[0, k + 1], motion[1, k + 1], motion[2, k + 1]
-        error[0] = readings[0, k + 1] - state[PRESSURE_A]
-        error[1] = readings[1, k + 1] - state[PRESSURE_B]
-        error[2] = math.nan if held[k + 1] else readings[2, k + 1] - position
+            position = motion[0, k + 1] - zeros[2]
+            velocity, lagged = motion[1, k + 1], motion[2, k + 1]
+        error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
+        error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
+        error[2] = math.nan if held[k + 1] else readings[2, k + 1] - position - zeros[2]
         if learning:
             if held[k + 1]:
-                _take_over(covariance, variance[2], reversal)
-            _weigh(covariance, error, variance, gains[k + 1], shares[k + 1])
+                take_over(covariance, variance[2], velocity_rms[k + 1])
+            weigh(covariance, error, variance, gains[k + 1], shares[k + 1])
             if resting[k + 1] != 0:
                 shares[k + 1, 2] = 1.0
-            known[k + 1] = _force_spread(covariance, piston)
+            known[k + 1] = force_spread(covariance, piston)
         if resting[k + 1] != 0:
             force = driving_force(
                 state[PRESSURE_A],
@@ -222,90 +243,22 @@ def observe(
             place = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
             error[2] = readings[2, k + 1] - place
             error[2] -= displacement_error(place, piston.stroke, effects.sensor)
-        moved = np.zeros(4)
+        moved = np.zeros(GAIN_ROWS)
         for slot in range(3):
             if error[slot] == error[slot]:
-                left[slot, k + 1] = error[slot] * shares[k + 1, slot]
-                for place in range(4):
+                own = error[slot] - moved[ESTIMATED + slot]
+                left[slot, k + 1] = own * shares[k + 1, slot]
+                for place in range(GAIN_ROWS):
                     moved[place] += gains[k + 1, place, slot] * error[slot]
         state[PRESSURE_A] += moved[FOLLOWED_A]
         state[PRESSURE_B] += moved[FOLLOWED_B]
+        for slot in range(3):
+            zeros[slot] += moved[ZEROS[slot]]
         if not held[k + 1]:
             position += moved[POSITION]
             velocity += moved[SPEED]
         given = piston.area_a * moved[FOLLOWED_A] - piston.area_b * moved[FOLLOWED_B]
+        given -= piston.viscous_friction * moved[SPEED]
         last = now + given / piston.mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
     return left, path, known, drawn
-
-
-@compiled
-def _spread_out(covariance, state, speed, interval, spread, memory, rows, drive, servo, grid, work):
-    """Carry the covariance on by one interval."""
-    plant = servo.plant
-    piston, mass = plant.piston, plant.piston.mass
-    moving = np.eye(4)
-    rate, moved, start = work[0], work[1], work[2]
-    start[:] = state
-    pneumatic_rates(start, speed, memory, rows, drive, 0.0, servo, grid, rate)
-    places, areas = (PRESSURE_A, PRESSURE_B), (piston.area_a, -piston.area_b)
-    for side in range(2):
-        here = places[side]
-        start[here] += _SLOPE_STEP
-        pneumatic_rates(start, speed, memory, rows, drive, 0.0, servo, grid, moved)
-        start[here] -= _SLOPE_STEP
-        fading = max(0.0, (rate[here] - moved[here]) / _SLOPE_STEP)
-        moving[side, side] = math.exp(-interval * fading)
-        moving[SPEED, side] = interval * areas[side] / mass
-        moving[POSITION, side] = 0.5 * interval * interval * areas[side] / mass
-    moving[POSITION, SPEED] = interval
-    covariance[:, :] = moving @ covariance @ moving.T
-    covariance[0, 0] += spread[0]
-    covariance[1, 1] += spread[1]
-    unknown = FORCE_STEP * piston.coulomb_friction / mass
-    covariance[SPEED, SPEED] += unknown * unknown * FORCE_TIME * interval
-
-
-@compiled
-def _take_over(covariance, position_variance, reversal):
-    """Forget what the motion tells of the pressures: friction is whatever it has to be."""
-    for place in (POSITION, SPEED):
-        for other in range(4):
-            covariance[place, other] = 0.0
-            covariance[other, place] = 0.0
-    covariance[POSITION, POSITION] = position_variance
-    covariance[SPEED, SPEED] = reversal * reversal
-
-
-@compiled
-def _weigh(covariance, error, variance, gain, share):
-    """Write the gains of the readings that are there, and take up what they tell."""
-    gain[:, :] = 0.0
-    share[:] = 0.0
-    places = (FOLLOWED_A, FOLLOWED_B, POSITION)
-    for slot in range(3):
-        if error[slot] == error[slot]:
-            expected = covariance[places[slot], places[slot]] + variance[slot]
-            share[slot] = math.sqrt(variance[slot] / expected)
-    # One reading after the other; each meets what those before it have corrected.
-    for slot in range(3):
-        if error[slot] != error[slot]:
-            continue
-        here = places[slot]
-        own = covariance[:, here] / (covariance[here, here] + variance[slot])
-        before = gain[here].copy()
-        for place in range(4):
-            for other in range(3):
-                gain[place, other] -= own[place] * before[other]
-            gain[place, slot] += own[place]
-        row = covariance[here].copy()
-        for place in range(4):
-            for other in range(4):
-                covariance[place, other] -= own[place] * row[other]
-
-
-@compiled
-def _force_spread(covariance, piston):
-    a, b = piston.area_a, piston.area_b
-    square = a * a * covariance[0, 0] + b * b * covariance[1, 1] - 2.0 * a * b * covariance[0, 1]
-    return math.sqrt(max(square, 0.0))

@@ -4,6 +4,7 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.models.servo.charging import charging_flow
+from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.diagnosis.models.servo.supply import expected_supply
@@ -129,8 +130,8 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
 
     Returns
     -------
-    gains : (n, 4, 3) array
-        What each innovation corrects.
+    gains : (n, GAIN_ROWS, 3) array
+        What each error of expectation corrects, see `observe`.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
     pressures : (2, n) array
@@ -139,7 +140,7 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
         How well they tell the force on the piston [N].
     """
     samples = len(fed.time)
-    gains, shares = np.zeros((samples, 4, 3)), np.zeros((samples, 3))
+    gains, shares = np.zeros((samples, GAIN_ROWS, 3)), np.zeros((samples, 3))
     _, path, known, _ = _observe(fed, {}, numbers({}, rig), rig, gains, shares, learning=True)
     return gains, shares, path, float(np.median(known[samples // 10 :]))
 
@@ -172,6 +173,7 @@ def _observe(
         fed.force + values.get(ZERO_FORCE, 0.0),
         fed.held,
         fed.resting,
+        fed.velocity_rms,
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.noise_of(FOLLOWED) ** 2,
         fed.spread,

@@ -3,20 +3,25 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.rigs import Rig
 
 Array = NDArray[np.float64]
 
 MEMORY = 0.3
-"""Time over which a pressure is followed: slower errors of the flow fade [s]."""
+"""Time over which a pressure is followed while the piston moves: slower errors of the flow fade,
+and an observer of the whole motion that trusts its model for longer runs away with a large one
+[s]."""
+HELD_MEMORY = 1.0
+"""The same of a piston that is held, whose motion is known [s]."""
 EDGE = 0.6
 """Error of the moment of a jump of the command, as a share of the sampling interval: at most
 half of it to either side, and a little for the bend of a command that runs on."""
 START = 0.02
 """At the start nothing is known of the spool and of the pressures' past for this long [s]."""
 MOTION_MEMORY = 1.5e-3
-"""Time over which an error of the smoothed velocity lasts: about a sample, for the displacement
-that it adds up to is known to some micrometres [s]."""
+"""Time over which an error of a velocity that is taken over lasts: about a sample, for the
+displacement that it adds up to is known to some micrometres [s]."""
 
 
 def spread_of_pressures(
@@ -24,27 +29,29 @@ def spread_of_pressures(
     voltage: Array,
     ramped: bool,
     striking: NDArray[np.bool_],
+    held: NDArray[np.bool_],
     noise: dict[str, float],
-    velocity_rms: float,
+    velocity_rms: Array,
     rig: Rig,
 ) -> Array:
     """Return how much less is known of each pressure after each interval [Pa^2].
 
     Parameters
     ----------
-    time, voltage, ramped, striking, noise
+    time, voltage, ramped, striking, held, noise
         As in `pneuservo.diagnosis.models.servo.feed.Feed`.
-    velocity_rms : float
-        How well the velocity is known that the chambers are filled with [m/s].
+    velocity_rms : (n,) array
+        How well a velocity that is taken over is known [m/s].
     rig : Rig
         The rig.
 
     Returns
     -------
     (2, n) array
-        A steady part, which fades what is older than `MEMORY`, one for the moment at which a
-        command that bends between two samples really jumped, one for what cannot be judged, and
-        one for an uncertain motion.
+        A steady part, which fades what is older than `MEMORY` or `HELD_MEMORY` though the zeros of
+        the transducers wander, one for the moment at which a command that bends between two
+        samples really jumped, one for what cannot be judged, and one for a motion that is taken
+        over.
     """
     from pneuservo.plant.from_rig import single_axis
 
@@ -57,6 +64,8 @@ def spread_of_pressures(
     gas, piston = plant.gas, plant.piston
     unsure = ((time < time[0] + START) | striking).astype(float)
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
+    memory = np.where(held, HELD_MEMORY, MEMORY)
+    slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME
     found = []
     for area, dead, side, name in (
         (plant.valve.area_s_a, plant.dead_volume_a, piston.area_a, "pressure_a"),
@@ -64,9 +73,10 @@ def spread_of_pressures(
     ):
         volume = dead + 0.5 * side * piston.stroke
         rate = plant.polytropic_index * gas.gas_constant * gas.temperature * flow * area / volume
-        found.append((noise.get(name, 0.0) * steps / MEMORY) ** 2)
+        found.append(noise.get(name, 0.0) ** 2 * slowly * steps / memory**2)
         found[-1] += (EDGE * bend * rate * steps) ** 2 + (unsure * rate * steps) ** 2
         # A chamber half filled, whose volume changes at a speed that is not quite known.
         drawn_in = 0.5 * plant.polytropic_index * plant.supply_pressure * side / volume
-        found[-1] += (drawn_in * velocity_rms) ** 2 * steps * MOTION_MEMORY
+        # While it moves, the observer has a speed of its own.
+        found[-1] += held * (drawn_in * velocity_rms) ** 2 * steps * MOTION_MEMORY
     return np.array(found)
