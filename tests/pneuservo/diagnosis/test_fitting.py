@@ -11,7 +11,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import model_of
 from pneuservo.rigs import load_rig
 
-ANGLE = 0.6
+ANGLE = 1.0
 
 
 @pytest.fixture(scope="module")
