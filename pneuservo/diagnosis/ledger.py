@@ -1,5 +1,6 @@
 """What a search tried, step by step, and what could have been named instead."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,6 +12,35 @@ class Rival:
     candidate: str
     probability: float
     evidence: float
+
+
+def probabilities(evidence: Mapping[str, float], unit: float) -> dict[str, float]:
+    """Return how probable each of some hypotheses is, by its weight among them.
+
+    Parameters
+    ----------
+    evidence : mapping of str to float
+        Information criterion of each.
+    unit : float
+        By how much criteria differ that are as good as each other; 1 where a law, if it is the
+        right one, fits exactly.
+
+    Returns
+    -------
+    dict of str to float
+        exp(-criterion / (2 unit)), normalised.
+
+    Examples
+    --------
+    >>> probabilities({"leak": 100.0, "lag": 102.0}, 1.0)["leak"]  # doctest: +ELLIPSIS
+    0.731...
+    >>> probabilities({"leak": 100.0, "lag": 102.0}, 10.0)["leak"]  # doctest: +ELLIPSIS
+    0.524...
+    """
+    lowest = min(evidence.values())
+    weight = {name: math.exp(-0.5 * (e - lowest) / unit) for name, e in evidence.items()}
+    total = sum(weight.values())
+    return {name: share / total for name, share in weight.items()}
 
 
 @dataclass(frozen=True)

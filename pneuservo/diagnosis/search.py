@@ -12,6 +12,7 @@ from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit, polished
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
+    AS_GOOD,
     DECISIVE,
     LARGE_SHARE_OF_REST,
     SECOND_SHARE,
@@ -21,7 +22,7 @@ from pneuservo.diagnosis.judge import (
     Judge,
     gain,
 )
-from pneuservo.diagnosis.ledger import Rival, Step
+from pneuservo.diagnosis.ledger import Rival, Step, probabilities
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.noise import noise_floor, resolution
 from pneuservo.diagnosis.pretence import Pretence
@@ -246,10 +247,9 @@ class Search:
         others[""] = rest
         effective = min(others.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in others.items()}
-        lowest = min(evidence.values())
-        weight = {name: float(np.exp(-0.5 * (e - lowest))) for name, e in evidence.items()}
-        total = sum(weight.values())
-        found = [Rival(name, min(weight[name] / total, SUREST), evidence[name]) for name in others]
+        most = max(explained(rest, f) for f in others.values()) if self.model.steady else 0.0
+        probability = probabilities(evidence, 1.0 + AS_GOOD * max(most, 0.0))
+        found = [Rival(name, min(probability[name], SUREST), evidence[name]) for name in others]
         return sorted(found, key=lambda rival: rival.evidence)
 
     def _in_place_of(self, member: str) -> tuple[Fit, dict[str, Fit]]:

@@ -139,3 +139,26 @@ def test_a_piston_about_to_break_away_is_not_moved_by_what_follows(rig):
     error = fed.motion[0] - run["displacement"]
     # It reached three times the noise when one smoother had to fit rest and motion.
     assert np.abs(error[before]).max() < NOISE["displacement"]
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        {"sensor.position-lag:time": 0.005},
+        {"sensor.position-nonlinearity:first": 3e-4},
+    ],
+    ids=lambda effect: next(iter(effect)),
+)
+def test_a_faulty_transducer_does_not_reach_the_chambers(rig, effect):
+    time = np.arange(0.0, 4.0, 1e-3)
+    demand = np.where(time % 1.0 < 0.5, 0.01, 0.02)
+    faulty = rig.with_values(effect)
+    run = simulate(faulty, time=time, controller=Proportional(), demand=demand)
+    rng = np.random.default_rng(4)
+    channels = {n: run[n] + rng.normal(0.0, NOISE[n], len(time)) for n in NOISE}
+    recording = Recording("steps", time, channels | {"valve_voltage": run["valve_voltage"]}, NOISE)
+    fed = with_observer(feed(recording, rig), rig)
+    known, ignored = of_noise(fed, rig, effect), of_noise(fed, rig, {})
+    # The smoothed motion still is the reading's own.
+    assert np.std(known, axis=1).max() < 1.25
+    assert np.std(known) < 0.7 * np.std(ignored)

@@ -1,4 +1,4 @@
-"""Spool and chambers carried on by one sampling interval, the piston moved as measured."""
+"""Spool and chambers carried on by one sampling interval, the piston moved as it is told."""
 
 import math
 

@@ -25,28 +25,34 @@ TURNING_STEP = 0.3
 FORCE_TIME = 1e-2
 """... within this time [s]."""
 UNKNOWN_PRESSURE = 1e5
-"""How little is known, at the most, of a pressure that is not measured [Pa]."""
+"""How little is known of a pressure, at the most [Pa]."""
 _PRESSURE_STEP = 100.0
 _SPEED_STEP = 1e-3
 
 
 @compiled
-def start_covariance(variance, velocity_rms):
-    """Return how well everything is known before the first reading.
+def start_covariance(reading, variance, speed_rms):
+    """Return how well everything is known that begins as the first samples read.
 
     Parameters
     ----------
+    reading : (3,) array
+        The first readings; NaN where there is none, SI.
     variance : (3,) array
         Of the noise of each reading, SI.
-    velocity_rms : float
-        How well the velocity is known [m/s].
+    speed_rms : float
+        How well the speed is known [m/s].
     """
     covariance = np.zeros((ESTIMATED, ESTIMATED))
     covariance[FOLLOWED_A, FOLLOWED_A] = covariance[FOLLOWED_B, FOLLOWED_B] = UNKNOWN_PRESSURE**2
     covariance[POSITION, POSITION] = variance[2]
-    covariance[SPEED, SPEED] = velocity_rms * velocity_rms
+    covariance[SPEED, SPEED] = speed_rms * speed_rms
     for slot in range(3):
-        covariance[ZEROS[slot], ZEROS[slot]] = LIKELY_WANDER**2 * variance[slot]
+        here, zero, own = READ[slot], ZEROS[slot], LIKELY_WANDER**2 * variance[slot]
+        covariance[zero, zero] = own
+        if reading[slot] == reading[slot]:
+            covariance[here, here] = variance[slot] + own
+            covariance[here, zero] = covariance[zero, here] = -own
     return covariance
 
 
@@ -94,6 +100,12 @@ def carry_on(
     rate, moved, start = work[0], work[1], work[2]
     start[:] = state
     pneumatic_rates(start, speed, memory, rows, drive, 0.0, servo, grid, rate)
+    if not held:
+        faster = speed + _SPEED_STEP
+        pneumatic_rates(start, faster, memory, rows, drive, 0.0, servo, grid, moved)
+        change[FOLLOWED_A, SPEED] = interval * (moved[PRESSURE_A] - rate[PRESSURE_A]) / _SPEED_STEP
+        change[FOLLOWED_B, SPEED] = interval * (moved[PRESSURE_B] - rate[PRESSURE_B]) / _SPEED_STEP
+        change[SPEED, SPEED] = -interval * piston.viscous_friction / mass
     places, areas = (PRESSURE_A, PRESSURE_B), (piston.area_a, -piston.area_b)
     for side in range(2):
         here = places[side]
@@ -101,16 +113,11 @@ def carry_on(
         pneumatic_rates(start, speed, memory, rows, drive, 0.0, servo, grid, moved)
         start[here] -= _PRESSURE_STEP
         change[side, side] = interval * (moved[here] - rate[here]) / _PRESSURE_STEP
-        if not held:
-            faster = speed + _SPEED_STEP
-            pneumatic_rates(start, faster, memory, rows, drive, 0.0, servo, grid, moved)
-            change[side, SPEED] = interval * (moved[here] - rate[here]) / _SPEED_STEP
         change[SPEED, side] = interval * areas[side] / mass
     change[POSITION, SPEED] = interval
-    change[SPEED, SPEED] = -interval * piston.viscous_friction / mass
     kept = math.exp(-interval / WANDER_TIME)
     for zero in ZEROS:
-        change[zero, zero] = kept - 1.0
+        change[zero, zero] = -interval / WANDER_TIME
     # To second order: one interval is a good part of a swing of the piston on its air.
     change = np.eye(ESTIMATED) + change + 0.5 * change @ change
     covariance[:, :] = change @ covariance @ change.T
@@ -158,7 +165,7 @@ def weigh(covariance, error, variance, gain, share):
     covariance : (7, 7) array
         Written.
     error : (3,) array
-        Of what was expected of each reading; NaN where there is none, SI.
+        What was expected of each reading is off by this; only whether it is NaN counts here, SI.
     variance : (3,) array
         Of the noise of each reading, SI.
     gain : (GAIN_ROWS, 3) array

@@ -26,6 +26,19 @@ def with_observer(fed: Feed, rig: Rig) -> Feed:
     Feed
         With everything that the observer needs.
     """
+    return with_gains(with_pressures(fed, rig), rig)
+
+
+def with_pressures(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed with the missing pressures estimated.
+
+    Parameters
+    ----------
+    fed : Feed
+        What was measured.
+    rig : Rig
+        The baseline.
+    """
     for _ in range(0 if all(fed.measured) else PASSES):
         _, _, path, force_rms = learn_to_observe(fed, rig)
         pressures = fed.pressures.copy()
@@ -33,7 +46,7 @@ def with_observer(fed: Feed, rig: Rig) -> Feed:
             if not there:
                 pressures[side] = path[side]
         fed = moved_by(replace(fed, pressures=pressures), rig, force_rms)
-    return with_gains(fed, rig)
+    return fed
 
 
 def with_gains(fed: Feed, rig: Rig) -> Feed:

@@ -29,7 +29,7 @@ HELD_FOR = 8e-3
 AT_REST = 1.5
 """A piston never moves whose displacement spreads by less than this many times its noise."""
 SLOWEST_MOTION = 5e-4
-"""A velocity is never taken to be known better than this [m/s]."""
+"""The velocity of a moving piston is never taken to be known better than this [m/s]."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
@@ -63,9 +63,9 @@ class Feed:
     held : (n,) array of bool
         While the piston sticks or lies at a stop.
     reversal : float
-        How well the velocity is known: friction turns round over this [m/s].
+        How well the velocity of a moving piston is known: friction turns round over this [m/s].
     velocity_rms : (n,) array
-        How well the velocity is known [m/s].
+        How well the smoothed velocity is known; 0 where the piston is known not to move [m/s].
     touching, striking : (n,) array of bool
         While the piston may touch a stop, and while it moves there.
     resting : (n,) array of int
@@ -192,9 +192,9 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         (force_rms or 0.0) / mass,
         rig["piston.coulomb_friction"] / mass,
     )
-    motion, reversal = np.array(smoothed), max(float(np.max(velocity_rms)), SLOWEST_MOTION)
-    # Known less well than the smoother says where friction turns round, but not at rest.
-    velocity_rms = np.where(velocity_rms < 0.5 * reversal, velocity_rms, reversal)
+    motion, moving = np.array(smoothed), float(np.max(velocity_rms))
+    reversal = max(moving, SLOWEST_MOTION)
+    velocity_rms = np.where(velocity_rms < moving, velocity_rms, reversal)
     if np.nanstd(fed.reading) < AT_REST * fed.noise["displacement"]:
         # Of a piston that never moves only noise would be taken for motion.
         motion = np.array(
@@ -278,6 +278,21 @@ def _held(velocity: Array, slow: float, interval: float) -> NDArray[np.bool_]:
 
     width = max(2, round(HELD_FOR / interval))
     return np.asarray(binary_opening(np.abs(velocity) < slow, np.ones(width)))
+
+
+def held_at_stops(fed: Feed, rig: Rig) -> Feed:
+    """Return the feed of a piston that counts as held at the stops alone.
+
+    Parameters
+    ----------
+    fed : Feed
+        With what sticks held too.
+    rig : Rig
+        The rig it was taken on.
+    """
+    rests = np.where(fed.touching, fed.resting, 0)
+    freed = replace(fed, held=fed.touching, resting=rests, done=Recent())
+    return replace(freed, spread=_spread(freed, rig))
 
 
 def held_command(fed: Feed, rig: Rig) -> Feed:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.controllers import Proportional
-from pneuservo.diagnosis.models.servo.estimate import with_observer
+from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, run_observer
 from pneuservo.diagnosis.noise import coloured, wander
@@ -57,7 +57,7 @@ def imitated(
     supply, source = fed.supply, np.empty(0)
     if supply is not None:
         left = run_observer(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)[-1]
-        # Nothing follows the supply's own drift, as the observer does that of the pressures.
+        # Nothing follows the supply's own drift, as the observer does the zeros of the others.
         source = fed.supply_reading - left + coloured(left, rng)
         # The chambers are driven by what was measured.
         others = {k: v for k, v in rig.effects.items() if not k.startswith("supply.")}
@@ -86,9 +86,12 @@ def imitated(
         else:
             channels[name] = source + fed.noise[name] * drift
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
-    copy = with_observer(replace(copy, supply=fed.supply, force=fed.force), rig)
+    copy = with_pressures(replace(copy, supply=fed.supply, force=fed.force), rig)
+    motion = copy.motion.copy()
+    motion[1:, fed.resting != 0] = 0.0
     return replace(
         copy,
+        motion=motion,
         ramped=fed.ramped,
         held=fed.held,
         touching=fed.touching,

@@ -1,4 +1,4 @@
-"""The motion behind a noisy displacement: what the blocks beside the piston are fed with."""
+"""The motion behind a noisy displacement: where the piston is, and when it moves which way."""
 
 import math
 
@@ -82,10 +82,11 @@ def smooth_motion(
     most = friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
     rest = _at_rest(rest_likelihood - moving[2], interval)
     rest[_largest(known, interval) > most] = False
-    states, variances, _ = smoothed(rest, change)
+    states, variances, _ = smoothed(rest, change) if rest.any() else moving
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
-    # Where it breaks away little is known for a moment.
-    velocity_rms = np.sqrt(np.minimum(variances, np.median(moving[1])))
+    # A moving piston's velocity is as well known as it is on the whole.
+    typical = float(np.median(moving[1]))
+    velocity_rms = np.sqrt(np.where(rest, np.clip(variances, 0.0, typical), typical))
     return states[:, 0] + start, states[:, 1], acceleration, velocity_rms
 
 
@@ -149,7 +150,7 @@ def _smooth(time, measured, variance, driving, driving_variance, change, rest, f
             if not rest[k]:
                 mean, uncertain = 0.5 * (driving[k] + driving[k - 1]), driving_variance
             if rest[k] != rest[k - 1]:
-                # The disturbance is what friction leaves of the driving force, and then all of it.
+                # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
             state = step @ state
             state[0] += 0.5 * h * h * mean

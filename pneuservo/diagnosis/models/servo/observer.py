@@ -32,6 +32,7 @@ from pneuservo.plant.servo.layout import (
     SUPPLY,
     TIME,
 )
+from pneuservo.plant.servo.load_effects import rigid_mass
 from pneuservo.plant.servo.memory import begin
 from pneuservo.plant.servo.sensor_effects import displacement_error, displacement_gain
 from pneuservo.plant.servo.stop_effects import resting_place
@@ -127,10 +128,11 @@ def observe(
     -----
     An extended Kalman filter whose gains are worked out once, for the baseline, so that the
     innovations are nearly linear in what an effect changes. Volumes and which way friction acts
-    follow the smoothed motion. The speed that fills and empties the chambers and that is damped is
-    the observer's own, but while the motion is taken over: what is known of it then counts, and
-    the damping of a noisy speed would look too small. The zeros of the three transducers wander
-    and are followed too: left out, they pretend more of slow effects than real ones show.
+    follow the smoothed motion. The speed that fills and empties the chambers, and that friction
+    feels, is the observer's own: with the noise of a smoothed one damping would look too small.
+    While the motion is taken over it is the smoothed speed, and how well that is known counts. The
+    zeros of the three transducers wander and are followed too, but that of the displacement at a
+    stop, whose place tells it: left out, they pretend more of slow effects than real ones show.
     """
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
@@ -146,14 +148,12 @@ def observe(
     direction = friction_direction(true[0], true[1], reversal, effects.friction)
     remembered = np.zeros(3)
     remembered[FELT] = true[1, 0]
-    position, velocity, lagged = motion[0, 0], motion[1, 0], 0.0
+    position, velocity, lagged = motion[0, 0], motion[1, 0], motion[2, 0]
+    slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
     last = 0.0
     zeros = np.zeros(3)
-    covariance = start_covariance(variance, reversal)
+    covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)
-    for side in range(2):
-        if readings[side, 0] == readings[side, 0]:
-            covariance[side, side] = variance[side]
     path[0, 0], path[1, 0] = state[PRESSURE_A], state[PRESSURE_B]
     error = np.zeros(3)
     for k in range(n - 1):
@@ -176,11 +176,10 @@ def observe(
                 grid,
                 work,
             )
-        slope = displacement_gain(true[0, k], piston.stroke, effects.sensor)
         before[:], after[:] = true[:, k], true[:, k + 1]
         if not held[k]:
-            before[1] += (velocity - motion[1, k]) / slope
-            after[1] += (velocity + interval * last - motion[1, k + 1]) / slope
+            before[1] = (velocity + lag * lagged) / slope
+            after[1] = before[1] + interval * last
         zeros *= math.exp(-interval / WANDER_TIME)
         advance(
             state,
@@ -254,11 +253,10 @@ def observe(
         state[PRESSURE_B] += moved[FOLLOWED_B]
         for slot in range(3):
             zeros[slot] += moved[ZEROS[slot]]
-        if not held[k + 1]:
-            position += moved[POSITION]
-            velocity += moved[SPEED]
+        position += moved[POSITION]
+        velocity += moved[SPEED]
         given = piston.area_a * moved[FOLLOWED_A] - piston.area_b * moved[FOLLOWED_B]
-        given -= piston.viscous_friction * moved[SPEED]
-        last = now + given / piston.mass
+        given -= piston.viscous_friction * moved[SPEED] / slope
+        last = now + given / rigid_mass(piston.mass, effects.load)
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
     return left, path, known, drawn

@@ -1,4 +1,4 @@
-"""The acceleration that forces give the piston, worked out at a motion that is known."""
+"""The acceleration that forces give the piston, at a place and speed that are known."""
 
 import math
 

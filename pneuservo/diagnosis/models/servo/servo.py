@@ -16,6 +16,7 @@ from pneuservo.diagnosis.models.servo.feed import (
     PRESSURES,
     Feed,
     feed,
+    held_at_stops,
     held_command,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
@@ -92,7 +93,7 @@ class ServoModel(Model):
         """Return the recording once per judged channel, each in units of its noise."""
         recording, fed = _without_hum(recording, with_observer(feed(recording, rig), rig), rig)
         if "stick-mask" in self.without:
-            fed = with_gains(replace(fed, held=fed.touching), rig)
+            fed = with_gains(held_at_stops(fed, rig), rig)
         found: list[Case] = []
         for channel, unit in _JUDGED:
             if channel not in recording:
