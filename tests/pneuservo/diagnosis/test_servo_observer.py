@@ -15,7 +15,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
 )
 from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feed import feed
-from pneuservo.diagnosis.models.servo.run_observer import run_observer
+from pneuservo.diagnosis.models.servo.run_observer import ASTRAY, run_observer
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER, wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
@@ -162,3 +162,9 @@ def test_a_faulty_transducer_does_not_reach_the_chambers(rig, effect):
     # The smoothed motion still is the reading's own.
     assert np.std(known, axis=1).max() < 1.25
     assert np.std(known) < 0.7 * np.std(ignored)
+
+
+def test_what_makes_it_run_away_all_the_same_gives_numbers_a_fit_can_turn_back_from(slow, rig):
+    left = of_noise(slow, rig, {"leakage.rod-seal:area": 1e-5, "load.mass": 0.01})
+    assert np.isfinite(left).all()
+    assert np.abs(left).max() <= ASTRAY * 1.001

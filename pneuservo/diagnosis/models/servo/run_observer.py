@@ -34,6 +34,10 @@ SUPPLY_LEVEL = "supply_level"
 REVERSAL = "reversal"
 """Speed over which friction turns round, as a multiple of the resolution of the velocity [-]."""
 
+ASTRAY = 1e3
+"""Innovations are never larger than so many times the noise: a fit turns back from values with
+which the observer runs away, but can make nothing of numbers that are not finite."""
+
 
 def numbers(values: Values, rig: Rig) -> tuple[SingleAxis, ServoEffects]:
     """Return the numbers of rig and effects as the kernels take them.
@@ -110,6 +114,8 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     left, _, _, drawn = _observe(
         fed, values, (plant, effects), rig, fed.gains, fed.shares, learning=False
     )
+    farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
+    left = np.clip(np.nan_to_num(left, nan=np.inf), -farthest, farthest)
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         level = values.get(SUPPLY_LEVEL, float(np.mean(fed.supply)))
