@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.controllers import Proportional
+from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, run_observer
@@ -90,18 +91,14 @@ def imitated(
     motion = copy.motion.copy()
     motion[1:, fed.resting != 0] = 0.0
     return replace(
-        copy,
+        fed,
+        voltage=copy.voltage,
+        reading=copy.reading,
         motion=motion,
-        ramped=fed.ramped,
-        held=fed.held,
-        touching=fed.touching,
-        striking=fed.striking,
-        resting=fed.resting,
-        reversal=fed.reversal,
-        velocity_rms=fed.velocity_rms,
-        spread=fed.spread,
-        gains=fed.gains,
-        shares=fed.shares,
+        pressures=copy.pressures,
+        pressure_rates=copy.pressure_rates,
+        supply_reading=copy.supply_reading,
+        done=Recent(),
     )
 
 
