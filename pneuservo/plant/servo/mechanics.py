@@ -126,13 +126,28 @@ def smooth_force(state, memory, drive, elapsed, servo):
     force += bumper_force(x, v, piston.stroke, effects.stop)
     force += unexplained_force(x, v, pa, pb, state[SPOOL], now, effects)
     if state.shape[0] > PLANT_STATES:
-        force += mode_force(piston.mass, state[MODE], state[MODE_RATE], effects.load)
-        if effects.load.joint_share > 0.0:
-            force -= effects.load.joint_share * piston.mass * piston.gravity
-            force += joint_force(state[JOINT], state[JOINT_RATE], effects.load)
-        force += cushion_force(x, state[CUSHION_A], pa, piston.area_a, effects.stop)
-        force -= cushion_force(piston.stroke - x, state[CUSHION_B], pb, piston.area_b, effects.stop)
+        force += carried_force(state, servo)
     return force
+
+
+@compiled
+def carried_force(state, servo):
+    """Return the force of the load's own motion and of the cushions, positive extends [N].
+
+    Parameters
+    ----------
+    state, servo
+        As in `pneuservo.plant.servo.chain.derivative`; the state is the long one.
+    """
+    piston, load, stop = servo.plant.piston, servo.effects.load, servo.effects.stop
+    x = state[DISPLACEMENT]
+    force = mode_force(piston.mass, state[MODE], state[MODE_RATE], load)
+    if load.joint_share > 0.0:
+        force -= load.joint_share * piston.mass * piston.gravity
+        force += joint_force(state[JOINT], state[JOINT_RATE], load)
+    force += cushion_force(x, state[CUSHION_A], state[PRESSURE_A], piston.area_a, stop)
+    rest = piston.stroke - x
+    return force - cushion_force(rest, state[CUSHION_B], state[PRESSURE_B], piston.area_b, stop)
 
 
 @compiled
@@ -197,13 +212,29 @@ def hanging_rates(state, velocity, second, servo, rate):
     velocity, second : float
         Velocity [m/s] and acceleration [m/s^2] of the piston.
     """
-    plant, effects = servo.plant, servo.effects
-    piston, load = plant.piston, effects.load
+    effects = servo.effects
     if effects.friction.lag > 0.0:
         rate[LAGGED_VELOCITY] = (velocity - state[LAGGED_VELOCITY]) / effects.friction.lag
     rate[LAGGED_DISPLACEMENT] = lag_rate(
-        state[DISPLACEMENT], state[LAGGED_DISPLACEMENT], piston.stroke, effects.sensor
+        state[DISPLACEMENT],
+        state[LAGGED_DISPLACEMENT],
+        servo.plant.piston.stroke,
+        effects.sensor,
     )
+    carried_rates(state, velocity, second, servo, rate)
+
+
+@compiled
+def carried_rates(state, velocity, second, servo, rate):
+    """Write the rates of the load and of the cushions, which follow the piston however it moves.
+
+    Parameters
+    ----------
+    state, velocity, second, servo, rate
+        As in `hanging_rates`.
+    """
+    plant, effects = servo.plant, servo.effects
+    piston, load = plant.piston, effects.load
     if load.mode_share > 0.0:
         rate[MODE] = state[MODE_RATE]
         rate[MODE_RATE] = mode_acceleration(second, state[MODE], state[MODE_RATE], load)

@@ -27,8 +27,8 @@ Samples = NDArray[np.float64]
 # The longest step along a measured motion: against steps of 20 us the pressures of a random
 # command differ by some 30 Pa (rms), a tenth of a transducer's noise.
 _LARGEST_STEP = 500e-6
-# A small volume at the valve's end of a hose is stiff; delays, rate limits and stiction of the
-# spool change the command inside a step.
+# A small volume at the valve's end of a hose, a joint and a cushion are stiff; delays, limits and
+# stiction of the spool change the command inside a step.
 _LARGEST_STEP_OF_FAST_EFFECTS = 100e-6
 
 
@@ -154,5 +154,13 @@ def step_for(effects: ServoEffects) -> float:
         The effects.
     """
     spool = effects.spool
-    fast = (effects.line.frequency, spool.delay, spool.rate_limit, spool.stiction)
+    fast = (
+        effects.line.frequency,
+        effects.load.joint_share,
+        effects.stop.cushion_length,
+        spool.delay,
+        spool.rate_limit,
+        spool.acceleration_limit,
+        spool.stiction,
+    )
     return _LARGEST_STEP_OF_FAST_EFFECTS if any(fast) else _LARGEST_STEP

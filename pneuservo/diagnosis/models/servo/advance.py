@@ -1,16 +1,19 @@
-"""Spool and chambers carried on by one sampling interval, the piston moved as it is told."""
+"""Spool, chambers and load carried on by one sampling interval, the piston moved as it is told."""
 
 import math
 
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.chain import write_spool_rates
-from pneuservo.plant.servo.layout import COMMAND, SUPPLY, TIME
+from pneuservo.plant.servo.layout import COMMAND, JOINT, JOINT_RATE, SUPPLY, TIME
+from pneuservo.plant.servo.load_effects import joint_force, rigid_mass
+from pneuservo.plant.servo.mechanics import carried_rates
 from pneuservo.plant.servo.memory import remember
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
 from pneuservo.plant.servo.spool_effects import travel_end
 from pneuservo.plant.single_axis import (
     CARD_LAGGED_1,
     DISPLACEMENT,
+    PLANT_STATES,
     PRESSURE_A,
     SPOOL,
     SPOOL_RATE,
@@ -48,20 +51,29 @@ def write_drive(drive, k, time, voltage, supply, ramped):
 
 @compiled
 def advance(
-    state, before, after, interval, longest_step, modes, memory, rows, drive, servo, grid, work
+    state, before, after, free, interval, longest_step, modes, memory, rows, drive, servo, grid, work
 ):
-    """Advance spool, chambers and what belongs to them by one sampling interval.
+    """Advance spool, chambers, load and what belongs to them by one sampling interval.
 
     Parameters
     ----------
     state, modes, memory, rows, drive, servo, grid
         As in `pneuservo.plant.servo.chain.derivative`; the first four are written.
-    before, after : (2,) array
-        Displacement and velocity of the piston at both ends, SI.
+    before, after : (3,) array
+        Displacement, velocity and acceleration of the piston at both ends, SI.
+    free : bool
+        Whether the piston gives way to the load behind a joint: the acceleration is then what it
+        would be if the joint's force stayed as it is.
     interval, longest_step : float
         The interval, divided into equal steps no longer than that [s].
     work : (3, m) array
         Room to work in.
+
+    Returns
+    -------
+    beyond, change : float
+        By how much the joint's mean push differs from that of both ends of the interval, and by
+        how much its push has changed in it [m/s^2].
     """
     valve = servo.plant.valve
     asked = min(max(drive[0, COMMAND] / valve.full_voltage, -1.0), 1.0)
@@ -69,11 +81,14 @@ def advance(
     longest = min(longest_step, FINE_STEP) if way > ON_ITS_WAY else longest_step
     steps = max(1, math.ceil(interval / longest - 1e-9))
     step = interval / steps
+    begun = _joint(state, servo) if free else math.nan
+    swung, before_step = 0.0, begun
     for j in range(steps):
         _step(
             state,
             before,
             after,
+            begun,
             j * step,
             step,
             interval,
@@ -86,13 +101,29 @@ def advance(
             work,
         )
         remember(state, modes, memory, rows, drive, (j + 1) * step, step, servo, grid)
+        if free:
+            here = _joint(state, servo)
+            swung += 0.5 * (before_step + here) / steps
+            before_step = here
+    if not free:
+        return 0.0, 0.0
+    mass = rigid_mass(servo.plant.piston.mass, servo.effects.load)
+    return (swung - 0.5 * (begun + before_step)) / mass, (before_step - begun) / mass
+
+
+@compiled
+def _joint(state, servo):
+    """Return the force of the load's joint on the rod [N]."""
+    if servo.effects.load.joint_share > 0.0:
+        return joint_force(state[JOINT], state[JOINT_RATE], servo.effects.load)
+    return 0.0
 
 
 @compiled
 def _step(
-    state, before, after, elapsed, step, interval, modes, memory, rows, drive, servo, grid, work
+    state, before, after, begun, elapsed, step, interval, modes, memory, rows, drive, servo, grid, work
 ):
-    """Advance the state by one classical Runge-Kutta step, the motion straight between samples."""
+    """Advance the state by one classical Runge-Kutta step, all of the motion straight in time."""
     rate, total, start = work[0], work[1], work[2]
     start[:] = state
     total[:] = 0.0
@@ -101,6 +132,12 @@ def _step(
         share = at / interval
         state[DISPLACEMENT] = before[0] + share * (after[0] - before[0])
         state[VELOCITY] = before[1] + share * (after[1] - before[1])
+        if state.shape[0] > PLANT_STATES:
+            second = before[2] + share * (after[2] - before[2])
+            if begun == begun:
+                more = _joint(state, servo) - begun
+                second += more / rigid_mass(servo.plant.piston.mass, servo.effects.load)
+            carried_rates(state, state[VELOCITY], second, servo, rate)
         pneumatic_rates(state, state[VELOCITY], memory, rows, drive, at, servo, grid, rate)
         write_spool_rates(state, modes, memory, rows, drive, at, servo, rate)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0

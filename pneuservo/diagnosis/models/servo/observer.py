@@ -19,13 +19,14 @@ from pneuservo.diagnosis.models.servo.covariance import (
     take_over,
     weigh,
 )
-from pneuservo.diagnosis.models.servo.push import FELT, friction_direction, push
+from pneuservo.diagnosis.models.servo.push import friction_direction, push
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.servo.layout import (
     COMMAND,
     INPUTS,
+    JOINT_RATE,
     MEMORY,
     PAST_COLUMNS,
     PAST_ROWS,
@@ -144,10 +145,10 @@ def observe(
     drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = voltage[0], supply[0], time[0]
     begin(state, modes, memory, rows, drive, servo, grid)
     plant, effects = servo.plant, servo.effects
+    mass = rigid_mass(plant.piston.mass, effects.load)
     piston, lag = plant.piston, effects.sensor.displacement_lag
     direction = friction_direction(true[0], true[1], reversal, effects.friction)
-    remembered = np.zeros(3)
-    remembered[FELT] = true[1, 0]
+    felt = true[1, 0]
     position, velocity, lagged = motion[0, 0], motion[1, 0], motion[2, 0]
     slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
     last = 0.0
@@ -180,11 +181,15 @@ def observe(
         if not held[k]:
             before[1] = (velocity + lag * lagged) / slope
             after[1] = before[1] + interval * last
+        free = effects.load.joint_share > 0.0 and not held[k]
+        if free:
+            before[2] = after[2] = last
         zeros *= math.exp(-interval / WANDER_TIME)
-        advance(
+        swung, shift = advance(
             state,
-            before[:2],
-            after[:2],
+            before,
+            after,
+            free,
             interval,
             longest_step,
             modes,
@@ -197,24 +202,23 @@ def observe(
         )
         port = supply_at_valve(state, drive, interval, servo)
         _, _, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
+        felt += (after[1] - felt) * followed(interval, effects.friction.lag)
         now = push(
             time[k + 1],
-            interval,
-            after,
-            state[PRESSURE_A],
-            state[PRESSURE_B],
-            state[SPOOL],
+            state,
+            after[1],
+            felt,
             external_force[k + 1],
             direction[k + 1],
-            remembered,
-            plant,
-            effects,
+            servo,
         )
         slope = displacement_gain(true[0, k + 1], piston.stroke, effects.sensor)
-        mean = slope * (0.5 * (now + last) if k else now)
-        if lag > 0.0:
-            lagged += (mean - lagged) * -math.expm1(-interval / lag)
-            mean = lagged
+        mean = slope * (0.5 * (now + last) + swung if k else now)
+        if free:
+            # While it swung, the other forces were taken to stay as they had been.
+            state[JOINT_RATE] -= 0.5 * interval * (now - last - shift)
+        lagged += (mean - lagged) * followed(interval, lag)
+        mean = lagged
         position += interval * velocity + 0.5 * interval * interval * mean
         velocity += interval * mean
         if held[k + 1]:
@@ -257,6 +261,23 @@ def observe(
         velocity += moved[SPEED]
         given = piston.area_a * moved[FOLLOWED_A] - piston.area_b * moved[FOLLOWED_B]
         given -= piston.viscous_friction * moved[SPEED] / slope
-        last = now + given / rigid_mass(piston.mass, effects.load)
+        last = now + given / mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
     return left, path, known, drawn
+
+
+@compiled
+def followed(interval, lag):
+    """Return the share of a step that a first-order lag has followed after some time [-].
+
+    Parameters
+    ----------
+    interval, lag : float
+        [s]; without a lag it follows at once.
+
+    Examples
+    --------
+    >>> round(followed(1e-3, 1e-3), 3), followed(1e-3, 0.0)
+    (0.632, 1.0)
+    """
+    return -math.expm1(-interval / lag) if lag > 0.0 else 1.0

@@ -1,25 +1,16 @@
 """The acceleration that forces give the piston, at a place and speed that are known."""
 
-import math
-
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.presliding import presliding_state
 from pneuservo.plant.servo.friction_effects import friction_levels, viscous_excess
-from pneuservo.plant.servo.load_effects import (
-    mode_acceleration,
-    mode_force,
-    rigid_mass,
-    spring_force,
-    tilt_force,
-)
+from pneuservo.plant.servo.load_effects import rigid_mass, spring_force, tilt_force
+from pneuservo.plant.servo.mechanics import carried_force
 from pneuservo.plant.servo.stop_effects import bumper_force
 from pneuservo.plant.servo.unexplained_effects import unexplained_force
-
-FELT, MODE, MODE_RATE = range(3)
-"""Places of what friction and the load remember: velocity felt, transverse mode and its rate."""
+from pneuservo.plant.single_axis import DISPLACEMENT, PLANT_STATES, PRESSURE_A, PRESSURE_B, SPOOL
 
 
 @compiled
@@ -51,51 +42,33 @@ def friction_direction(displacement, velocity, reversal, friction):
 @compiled
 def push(
     time,
-    interval,
-    motion,
-    pressure_a,
-    pressure_b,
-    spool,
+    state,
+    speed,
+    felt,
     external_force,
     direction,
-    remembered,
-    plant,
-    effects,
+    servo,
 ):
     """Return the acceleration of the piston at one sample [m/s^2].
 
     Parameters
     ----------
-    time, interval : float
-        Of the sample, and since the one before [s].
-    motion : (3,) array
-        Displacement, velocity and acceleration of the piston, SI.
-    pressure_a, pressure_b : float
-        [Pa].
-    spool : float
-        Fraction of full opening [-].
+    time : float
+        Of the sample [s].
+    state : array
+        Of the chain, the piston where it was led to.
+    speed, felt : float
+        Of the piston, and as friction follows it [m/s].
     external_force : float
         At the rod, positive when it resists extension [N].
     direction : float
         From `friction_direction`.
-    remembered : (3,) array
-        What friction and the load remember; written.
-    plant : SingleAxis
-        The numbers of the rig.
-    effects : ServoEffects
-        Parameters of the effects.
+    servo : Servo
+        The numbers of rig and effects.
     """
+    plant, effects = servo.plant, servo.effects
     piston, friction, load = plant.piston, effects.friction, effects.load
-    place, speed = motion[0], motion[1]
-    felt = remembered[FELT]
-    if friction.lag > 0.0:
-        felt += (speed - felt) * -math.expm1(-interval / friction.lag)
-        remembered[FELT] = felt
-    if load.mode_share != 0.0:
-        remembered[MODE_RATE] += interval * mode_acceleration(
-            motion[2], remembered[MODE], remembered[MODE_RATE], load
-        )
-        remembered[MODE] += interval * remembered[MODE_RATE]
+    place, pressure_a, pressure_b = state[DISPLACEMENT], state[PRESSURE_A], state[PRESSURE_B]
     extending, retracting = friction_levels(
         piston.coulomb_friction,
         place,
@@ -112,9 +85,10 @@ def push(
     )
     force += spring_force(place, piston.stroke, load)
     force += tilt_force(piston.mass * piston.gravity, load)
-    force += mode_force(piston.mass, remembered[MODE], remembered[MODE_RATE], load)
+    if state.shape[0] > PLANT_STATES:
+        force += carried_force(state, servo)
     force += bumper_force(place, speed, piston.stroke, effects.stop)
-    force += unexplained_force(place, speed, pressure_a, pressure_b, spool, time, effects)
+    force += unexplained_force(place, speed, pressure_a, pressure_b, state[SPOOL], time, effects)
     force -= viscous_excess(speed, felt, piston.viscous_friction, time, friction)
     force -= (extending if direction > 0.0 else retracting) * direction
     return force / rigid_mass(piston.mass, load)
