@@ -45,7 +45,7 @@ AMPLITUDE_BANDWIDTH = Effect(
     equation="|xs''| <= acceleration",
     parameters=(
         EffectParameter(
-            "acceleration", "1/s**2", 0.0, 0.0, 2e6, (4e5, 1.2e6),
+            "acceleration", "1/s**2", 0.0, 0.0, 2e6, (2e5, 4e5, 6e5, 9e5, 1.4e6),
             "largest acceleration; 0 for no limit", "spool.acceleration_limit",
         ),
     ),
@@ -60,8 +60,8 @@ SLEW = Effect(
     equation="|xs'| <= rate",
     parameters=(
         EffectParameter(
-            "rate", "1/s", 0.0, 0.0, 1e3, (100.0, 300.0), "full strokes per second; 0 for no limit",
-            "spool.rate_limit",
+            "rate", "1/s", 0.0, 0.0, 1e3, (100.0, 170.0, 300.0, 550.0),
+            "full strokes per second; 0 for no limit", "spool.rate_limit",
         ),
     ),
     source="valve data sheet: 5 to 15 ms for the full stroke; Merritt 1967",

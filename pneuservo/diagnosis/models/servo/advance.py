@@ -51,7 +51,19 @@ def write_drive(drive, k, time, voltage, supply, ramped):
 
 @compiled
 def advance(
-    state, before, after, free, interval, longest_step, modes, memory, rows, drive, servo, grid, work
+    state,
+    before,
+    after,
+    free,
+    interval,
+    longest_step,
+    modes,
+    memory,
+    rows,
+    drive,
+    servo,
+    grid,
+    work,
 ):
     """Advance spool, chambers, load and what belongs to them by one sampling interval.
 
@@ -121,7 +133,20 @@ def _joint(state, servo):
 
 @compiled
 def _step(
-    state, before, after, begun, elapsed, step, interval, modes, memory, rows, drive, servo, grid, work
+    state,
+    before,
+    after,
+    begun,
+    elapsed,
+    step,
+    interval,
+    modes,
+    memory,
+    rows,
+    drive,
+    servo,
+    grid,
+    work,
 ):
     """Advance the state by one classical Runge-Kutta step, all of the motion straight in time."""
     rate, total, start = work[0], work[1], work[2]

@@ -23,6 +23,7 @@ from pneuservo.diagnosis.models.servo.push import friction_direction, push
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
+from pneuservo.plant.presliding import presliding_step
 from pneuservo.plant.servo.layout import (
     COMMAND,
     INPUTS,
@@ -148,8 +149,9 @@ def observe(
     mass = rigid_mass(plant.piston.mass, effects.load)
     piston, lag = plant.piston, effects.sensor.displacement_lag
     direction = friction_direction(true[0], true[1], reversal, effects.friction)
+    behind = behind_the_rod(motion[0], held, effects.sensor.wiper_play)
     felt = true[1, 0]
-    position, velocity, lagged = motion[0, 0], motion[1, 0], motion[2, 0]
+    position, velocity, lagged = motion[0, 0] + behind[0], motion[1, 0], motion[2, 0]
     slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
     last = 0.0
     zeros = np.zeros(3)
@@ -222,11 +224,12 @@ def observe(
         position += interval * velocity + 0.5 * interval * interval * mean
         velocity += interval * mean
         if held[k + 1]:
-            position = motion[0, k + 1] - zeros[2]
+            position = motion[0, k + 1] - zeros[2] + behind[k + 1]
             velocity, lagged = motion[1, k + 1], motion[2, k + 1]
         error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
         error[2] = math.nan if held[k + 1] else readings[2, k + 1] - position - zeros[2]
+        error[2] += behind[k + 1]
         if learning:
             if held[k + 1]:
                 take_over(covariance, variance[2], velocity_rms[k + 1])
@@ -244,7 +247,7 @@ def observe(
                 piston,
             )
             place = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
-            error[2] = readings[2, k + 1] - place
+            error[2] = readings[2, k + 1] - place + behind[k + 1]
             error[2] -= displacement_error(place, piston.stroke, effects.sensor)
         moved = np.zeros(GAIN_ROWS)
         for slot in range(3):
@@ -281,3 +284,35 @@ def followed(interval, lag):
     (0.632, 1.0)
     """
     return -math.expm1(-interval / lag) if lag > 0.0 else 1.0
+
+
+@compiled
+def behind_the_rod(reading, held, play):
+    """Return by how much a wiper with play reads less than where the rod is [m].
+
+    Parameters
+    ----------
+    reading : (n,) array
+        Smoothed displacement [m].
+    held : (n,) array of bool
+        While the piston sticks or lies at a stop: what moves there is noise.
+    play : float
+        Half width of the play [m].
+
+    Notes
+    -----
+    The half width, with the sign of the last motion. The rod turns round before the reading does:
+    the reading has not gone back far when the whole play has been taken up.
+
+    Examples
+    --------
+    >>> there_and_back = np.array([0.0, 1e-3, 0.0])
+    >>> behind_the_rod(there_and_back, np.zeros(3, dtype=np.bool_), 1e-5).tolist()
+    [0.0, 1e-05, -1e-05]
+    """
+    behind, share = np.zeros(reading.size), 0.0
+    for k in range(1, reading.size):
+        if play > 0.0 and not held[k]:
+            share = presliding_step(share, reading[k] - reading[k - 1], play, 1.0)
+        behind[k] = play * share
+    return behind
