@@ -27,6 +27,7 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     ZERO_FORCE,
     run_observer,
 )
+from pneuservo.diagnosis.models.servo.sticking import JUDGED
 from pneuservo.diagnosis.models.servo.supply import strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
@@ -101,7 +102,7 @@ class ServoModel(Model):
             noise = fed.noise[channel]
             usable = np.isfinite(recording[channel])
             if channel == "displacement":
-                usable = usable & (~fed.held | (fed.resting != 0))
+                usable &= ~fed.held | (fed.resting != 0) | (fed.sticking == JUDGED)
             if np.count_nonzero(usable) < _FEWEST:
                 continue
             found.append(

@@ -1,0 +1,90 @@
+"""The observer knows what the plant does: with the true values of an effect nothing is left."""
+
+import numpy as np
+import pytest
+from servo_recordings import NOISE
+
+from pneuservo.controllers import Proportional
+from pneuservo.diagnosis.models.servo.run_observer import run_observer
+from pneuservo.diagnosis.models.servo.servo import ServoModel
+from pneuservo.diagnosis.models.servo.sticking import JUDGED, sticking
+from pneuservo.recordings import Recording
+from pneuservo.rigs import load_rig
+from pneuservo.simulation import simulate
+
+TIME = np.arange(0.0, 4.0, 1e-3)
+WITHIN_THE_STROKE = np.repeat([0.010, 0.022, 0.008, 0.018, 0.024, 0.006, 0.015, 0.021], 500)
+FROM_STOP_TO_STOP = np.where(TIME < 0.2, 0.015, np.where(TIME % 2.0 < 1.0, -0.009, 0.039))
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return load_rig("single-axis")
+
+
+def recorded(rig, demand, quiet):
+    rng = np.random.default_rng(1)
+    run = simulate(rig, time=TIME, controller=Proportional(), demand=demand)
+    noise = {name: quiet * size for name, size in NOISE.items()}
+    channels = {name: run[name] + rng.normal(0.0, noise[name], len(TIME)) for name in noise}
+    return Recording("run", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+
+
+def misfit(recording, rig, values):
+    """Return the sum of squares beyond what noise alone leaves, as the baseline leaves it."""
+    cases = ServoModel().cases(recording, rig)
+    left = [(c.measured - ServoModel().predict(c, values))[c.usable] for c in cases]
+    return sum(float(np.sum(part**2)) - len(part) for part in left)
+
+
+@pytest.mark.parametrize(
+    ("demand", "values"),
+    [
+        (
+            WITHIN_THE_STROKE,
+            {
+                "load.compliance:share": 0.5,
+                "load.compliance:stiffness": 1e5,
+                "load.compliance:damping": 30.0,
+            },
+        ),
+        (WITHIN_THE_STROKE, {"load.backlash:play": 2e-4, "load.backlash:share": 0.5}),
+        (WITHIN_THE_STROKE, {"sensor.position-wiper:half_width": 3e-5}),
+        (FROM_STOP_TO_STOP, {"sensor.position-wiper:half_width": 3e-5}),
+        (FROM_STOP_TO_STOP, {"endstop.cushion:length": 6e-3, "endstop.cushion:area": 1e-7}),
+    ],
+    ids=["compliance", "backlash", "wiper", "wiper at the stops", "cushion"],
+)
+def test_what_hangs_on_the_piston_is_expected(rig, demand, values):
+    baseline = misfit(recorded(rig, demand, 0.5), rig, {})
+    recording = recorded(rig.with_values(values), demand, 0.5)
+    missed, found = misfit(recording, rig, {}), misfit(recording, rig, values)
+    assert missed - baseline > 1000.0
+    assert found - baseline < 0.35 * (missed - baseline)
+
+
+def test_a_stiff_joint_is_none(rig):
+    recording = recorded(rig, WITHIN_THE_STROKE, 0.5)
+    stiff = {"load.compliance:share": 0.5, "load.compliance:stiffness": 3e6}
+    change = misfit(recording, rig, stiff) - misfit(recording, rig, {})
+    assert abs(change) < 300.0
+
+
+def test_friction_that_could_not_have_held_the_piston_is_told(rig):
+    stronger = {"piston.coulomb_friction": 3.0 * rig["piston.coulomb_friction"]}
+    recording = recorded(rig.with_values(stronger), WITHIN_THE_STROKE, 0.5)
+    fed = ServoModel().cases(recording, rig)[0].inputs["feed"]
+    judged = fed.sticking == JUDGED
+    assert np.count_nonzero(judged) > 3
+    noise = fed.noise["displacement"]
+    weak, strong = (run_observer(fed, v, rig)[2, judged] / noise for v in ({}, stronger))
+    assert np.max(weak) > 3.0
+    assert np.max(np.abs(strong)) < 1.0
+
+
+def test_a_rest_is_judged_once_per_half_second_and_at_its_end():
+    held = np.zeros(2000, dtype=bool)
+    held[100:1400] = True
+    found = sticking(held, np.zeros(2000, dtype=bool), 1e-3)
+    assert np.flatnonzero(found == JUDGED).tolist() == [649, 1149, 1349]
+    assert not sticking(held, held, 1e-3).any()
