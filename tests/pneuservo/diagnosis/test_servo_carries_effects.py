@@ -5,9 +5,7 @@ import pytest
 from servo_recordings import NOISE
 
 from pneuservo.controllers import Proportional
-from pneuservo.diagnosis.models.servo.run_observer import run_observer
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.models.servo.sticking import JUDGED, sticking
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
@@ -68,23 +66,3 @@ def test_a_stiff_joint_is_none(rig):
     stiff = {"load.compliance:share": 0.5, "load.compliance:stiffness": 3e6}
     change = misfit(recording, rig, stiff) - misfit(recording, rig, {})
     assert abs(change) < 300.0
-
-
-def test_friction_that_could_not_have_held_the_piston_is_told(rig):
-    stronger = {"piston.coulomb_friction": 3.0 * rig["piston.coulomb_friction"]}
-    recording = recorded(rig.with_values(stronger), WITHIN_THE_STROKE, 0.5)
-    fed = ServoModel().cases(recording, rig)[0].inputs["feed"]
-    judged = fed.sticking == JUDGED
-    assert np.count_nonzero(judged) > 3
-    noise = fed.noise["displacement"]
-    weak, strong = (run_observer(fed, v, rig)[2, judged] / noise for v in ({}, stronger))
-    assert np.max(weak) > 3.0
-    assert np.max(np.abs(strong)) < 1.0
-
-
-def test_a_rest_is_judged_once_per_half_second_and_at_its_end():
-    held = np.zeros(2000, dtype=bool)
-    held[100:1400] = True
-    found = sticking(held, np.zeros(2000, dtype=bool), 1e-3)
-    assert np.flatnonzero(found == JUDGED).tolist() == [649, 1149, 1349]
-    assert not sticking(held, held, 1e-3).any()

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
-from pneuservo.diagnosis.models.servo.sticking import sticking
 from pneuservo.diagnosis.models.servo.stops import around, resting, touching
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.recordings import Recording
@@ -71,8 +70,6 @@ class Feed:
         While the piston may touch a stop, and while it moves there.
     resting : (n,) array of int
         At which stop it rests: -1 the retracted, 1 the extended, 0 none.
-    sticking : (n,) array of int
-        While friction alone holds it, and where that is judged; all 0 where a pressure is missing.
     spread : (2, n) array
         Variance that each interval adds to what is known of each pressure [Pa^2].
     noise : mapping of str to float
@@ -104,7 +101,6 @@ class Feed:
     touching: NDArray[np.bool_]
     striking: NDArray[np.bool_]
     resting: NDArray[np.int64]
-    sticking: NDArray[np.int64]
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
@@ -162,7 +158,6 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         touching=np.zeros(len(time), dtype=bool),
         striking=np.zeros(len(time), dtype=bool),
         resting=np.zeros(len(time), dtype=np.int64),
-        sticking=np.zeros(len(time), dtype=np.int64),
         spread=np.zeros((2, len(time))),
         noise=noise,
         spread_of_force=spread_of_force,
@@ -223,7 +218,6 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         touching=near,
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
-        sticking=sticking(still & all(fed.measured), near, interval),
         done=Recent(),
     )
     return replace(moved, spread=_spread(moved, rig))
@@ -297,13 +291,7 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
         The rig it was taken on.
     """
     rests = np.where(fed.touching, fed.resting, 0)
-    freed = replace(
-        fed,
-        held=fed.touching,
-        resting=rests,
-        sticking=np.zeros_like(fed.sticking),
-        done=Recent(),
-    )
+    freed = replace(fed, held=fed.touching, resting=rests, done=Recent())
     return replace(freed, spread=_spread(freed, rig))
 
 

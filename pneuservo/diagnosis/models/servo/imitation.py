@@ -9,7 +9,6 @@ from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, run_observer
-from pneuservo.diagnosis.models.servo.sticking import shared
 from pneuservo.diagnosis.noise import coloured, wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -49,8 +48,7 @@ def imitated(
     Returns
     -------
     Feed
-        Judged in the same places and with the same weights as the real one, but for where it
-        sticks and the real one does not.
+        Judged in the same places and with the same weights as the real one.
 
     Notes
     -----
@@ -100,8 +98,6 @@ def imitated(
         pressures=copy.pressures,
         pressure_rates=copy.pressure_rates,
         supply_reading=copy.supply_reading,
-        held=fed.held | copy.held,
-        sticking=shared(fed.sticking, copy.sticking),
         done=Recent(),
     )
 

@@ -20,12 +20,6 @@ from pneuservo.diagnosis.models.servo.covariance import (
     weigh,
 )
 from pneuservo.diagnosis.models.servo.push import friction_direction, push
-from pneuservo.diagnosis.models.servo.sticking import (
-    ONE_SAMPLE,
-    PASSED_OVER,
-    WITHIN,
-    too_much_to_hold,
-)
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
@@ -60,8 +54,6 @@ def observe(
     external_force,
     held,
     resting,
-    sticking,
-    unsure_force,
     velocity_rms,
     reversal,
     variance,
@@ -97,13 +89,7 @@ def observe(
         While the piston sticks or lies at a stop: its motion is taken over, and its displacement
         tells nothing ...
     resting : (n,) array of int
-        ... unless it is pressed on the retracted (-1) or extended (1) stop, whose place is
-        known ...
-    sticking : (n,) array of int
-        ... or friction alone holds it, which it has to be able to; see
-        `pneuservo.diagnosis.models.servo.sticking.sticking`.
-    unsure_force : float
-        How well it is known what friction can hold; 0 where that cannot be judged [N].
+        ... unless it is pressed on the retracted (-1) or extended (1) stop, whose place is known.
     velocity_rms : (n,) array
         How well the velocity is known that is taken over [m/s].
     reversal : float
@@ -132,9 +118,7 @@ def observe(
     Returns
     -------
     left : (3, n) array
-        Innovations, each counted in the spread that it was expected to have, SI. Of the
-        displacement while the piston sticks: by how much friction fails to hold it, in as many
-        times the displacement's noise as it is sure of.
+        Innovations, each counted in the spread that it was expected to have, SI.
     path : (2, n) array
         Both pressures as followed [Pa].
     known : (n,) array
@@ -170,7 +154,7 @@ def observe(
     position, velocity, lagged = motion[0, 0] + behind[0], motion[1, 0], motion[2, 0]
     slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
     last = 0.0
-    zeros, rest, overload = np.zeros(3), 0.0, 0.0
+    zeros = np.zeros(3)
     covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)
     path[0, 0], path[1, 0] = state[PRESSURE_A], state[PRESSURE_B]
@@ -272,14 +256,6 @@ def observe(
                 left[slot, k + 1] = own * shares[k + 1, slot]
                 for place in range(GAIN_ROWS):
                     moved[place] += gains[k + 1, place, slot] * error[slot]
-        rest = rest + interval if held[k + 1] else 0.0
-        if sticking[k + 1] != 0 and unsure_force > 0.0:
-            if sticking[k + 1] != PASSED_OVER:
-                beyond = too_much_to_hold(time[k + 1], state, rest, external_force[k + 1], servo)
-                overload += interval / ONE_SAMPLE * (beyond / unsure_force) ** 2
-            if sticking[k + 1] != WITHIN:
-                left[2, k + 1] = math.sqrt(overload * variance[2])
-                overload = 0.0
         state[PRESSURE_A] += moved[FOLLOWED_A]
         state[PRESSURE_B] += moved[FOLLOWED_B]
         for slot in range(3):

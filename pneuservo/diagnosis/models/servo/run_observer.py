@@ -7,7 +7,6 @@ from pneuservo.diagnosis.models.servo.charging import charging_flow
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.observer import observe
-from pneuservo.diagnosis.models.servo.sticking import unsure_force
 from pneuservo.diagnosis.models.servo.supply import expected_supply
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
@@ -180,8 +179,6 @@ def _observe(
         fed.force + values.get(ZERO_FORCE, 0.0),
         fed.held,
         fed.resting,
-        fed.sticking,
-        unsure_force(fed.spread_of_force, rig["piston.coulomb_friction"]),
         fed.velocity_rms,
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.noise_of(FOLLOWED) ** 2,

@@ -27,7 +27,6 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     ZERO_FORCE,
     run_observer,
 )
-from pneuservo.diagnosis.models.servo.sticking import JUDGED
 from pneuservo.diagnosis.models.servo.supply import strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
@@ -102,7 +101,7 @@ class ServoModel(Model):
             noise = fed.noise[channel]
             usable = np.isfinite(recording[channel])
             if channel == "displacement":
-                usable &= ~fed.held | (fed.resting != 0) | (fed.sticking == JUDGED)
+                usable = usable & (~fed.held | (fed.resting != 0))
             if np.count_nonzero(usable) < _FEWEST:
                 continue
             found.append(
