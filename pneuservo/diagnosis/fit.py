@@ -241,20 +241,22 @@ def orthonormal(columns: Array) -> Array:
     return basis
 
 
-def explained(before: Fit, after: Fit) -> float:
+def explained(before: Fit, after: Fit, best: Fit | None = None) -> float:
     """Return by how much all that is minimised falls from one fit to a closer one.
 
     Parameters
     ----------
     before, after : Fit
         Of the same recordings.
+    best : Fit, optional
+        Whose weights count, where several are to be compared; those of `after` without it.
 
     Notes
     -----
     In the weights of the closer one: a misfit that it removes no longer counts as noise. What a
     parameter has to leave its tolerance for explains that much less.
     """
-    first, second = (after.weigh(found.residuals) for found in (before, after))
+    first, second = ((best or after).weigh(found.residuals) for found in (before, after))
     return float(np.sum(first**2) - np.sum(second**2)) + before.penalty - after.penalty
 
 

@@ -183,19 +183,22 @@ class ByGain:
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
-        """Return the simplest of those that explain as much as the best."""
+        """Return the simplest of those that explain as much as the best, or nearly enough."""
         # A flexible candidate that explains little must not shield one that earns its place.
         among = list(earning) or list(evidence)
         best = min(among, key=evidence.__getitem__)
-        most = gain(self.current, tried[best])
+        explains = {name: explained(self.current, tried[name], tried[best]) for name in among}
+        undecided = [name for name in among if evidence[name] < evidence[best] + UNDECIDED]
         # A wrong parameter has no form that could differ.
         alike = [
             name
             for name in among
-            if gain(self.current, tried[name]) > (1.0 - AS_GOOD) * most
-            and (not name.startswith("param.") or evidence[name] < evidence[best] + UNDECIDED)
+            if explains[name] > (1.0 - AS_GOOD) * explains[best] and not name.startswith("param.")
         ]
-        return min(alike or [best], key=lambda name: (tried[name].unknowns, evidence[name]))
+        rivals = {*undecided, *alike}
+        fewest = min(tried[name].unknowns for name in rivals)
+        # In the catalogue's order, which begins with the common.
+        return next(n for n in tried if n in rivals and tried[n].unknowns == fewest)
 
     def share(self, closer: Fit) -> float:
         """Return the share of all that is explained so far, or half of that in one channel.
@@ -203,8 +206,8 @@ class ByGain:
         What the form of a law leaves is left where the law acts: an effect that shows elsewhere
         does not have to compete with it.
         """
-        whole = gain(self.current, closer) / max(gain(self.baseline, closer), 1e-300)
-        found = [whole]
+        more, whole = gain(self.current, closer), gain(self.baseline, closer)
+        found = [more / whole if more > 0.0 and whole > 0.0 else 0.0]
         for channel in closer.effective:
             here = channel_gain(self.current, closer, channel)
             if here > LEAST_GAIN:

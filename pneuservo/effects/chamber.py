@@ -28,6 +28,9 @@ HEAT_TRANSFER = Effect(
         "a leak goes on to the atmosphere"
     ),
 )
+_LEAST_CONDUCTANCE = 0.01
+"""Chambers of this size have 0.04 to 0.4 W/K (Carneiro and Gomes de Almeida 2006: 20 to 200 W/m2K);
+far below that there is no exchange to speak of, and the gas balances its energy alone."""
 _STOP_TEST = (
     "stop test: lock the piston, open the valve for 0.1 s, close it and watch the pressure for "
     "2 s; the same for venting"
@@ -44,7 +47,7 @@ SERVO_HEAT_TRANSFER = Effect(
     parameters=(
         EffectParameter(
             "conductance", "W/K", 0.0, 0.0, 2.0, (0.1,), "of a chamber at mid-stroke",
-            "chamber.heat_conductance",
+            "chamber.heat_conductance", least=_LEAST_CONDUCTANCE,
         ),
     ),
     source="Carneiro and Gomes de Almeida 2006, Proc. IMechE I 220; thesis equation (4.10)",
@@ -60,7 +63,7 @@ INLET_TEMPERATURE = Effect(
     equation="V p' = g R (m_in T0 - m_out (T0 + share (T - T0))) - g p V', T by (4.14)",
     parameters=(
         EffectParameter(
-            "share", "", 0.0, 0.0, 1.5, (0.5,), "of the temperature change that leaves",
+            "share", "", 0.0, 0.0, 1.5, (1.0,), "of the temperature change that leaves",
             "chamber.outflow_share",
         ),
     ),
@@ -79,7 +82,7 @@ WALL_WARMING = Effect(
     parameters=(
         EffectParameter(
             "conductance", "W/K", 0.0, 0.0, 2.0, (0.1,), "between gas and wall at mid-stroke",
-            "chamber.heat_conductance",
+            "chamber.heat_conductance", least=_LEAST_CONDUCTANCE,
         ),
         EffectParameter(
             "capacity", "J/K", 0.0, 0.5, 500.0, (5.0,), "of a chamber's wall",
@@ -123,7 +126,7 @@ MOISTURE = Effect(
     parameters=(
         EffectParameter(
             "conductance", "W/K", 0.0, 0.0, 2.0, (0.1,), "between gas and wall at mid-stroke",
-            "chamber.heat_conductance",
+            "chamber.heat_conductance", least=_LEAST_CONDUCTANCE,
         ),
         EffectParameter(
             "loss", "", 0.0, -2.0, 1.0, (0.3,), "heat missing while the gas is warm",

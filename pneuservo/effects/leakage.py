@@ -94,29 +94,43 @@ CHAMBER_A = Effect(
     block="chamber.a",
     rigs=_SERVO,
     statement="Chamber a leaks to the outside; the model holds it tight.",
-    equation="m_leak = area Cm(p_atm/pa) pa / sqrt(T)",
+    equation=(
+        "m_leak = area/sqrt(T) ((1 - laminar) Cm(p_atm/pa) pa "
+        "+ laminar Cm(0) (pa^2 - p_atm^2)/(6 bar))"
+    ),
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 5e-7, (1e-8,), "effective area", "leakage.chamber_a_area"
         ),
+        EffectParameter(
+            "laminar", "", 0.0, 0.0, 1.0, (0.5,), "share of it that flows as through a gap",
+            "leakage.chamber_a_laminar",
+        ),
     ),
     source="thesis equation (4.15); Beater 2007, Pneumatic Drives",
     experiment=_HOLD,
-)
+)  # fmt: skip
 ROD_SEAL = Effect(
     id="leakage.rod-seal",
     block="chamber.b",
     rigs=_SERVO,
     statement="Chamber b leaks to the outside past the rod; the model holds it tight.",
-    equation="m_leak = area Cm(p_atm/pb) pb / sqrt(T)",
+    equation=(
+        "m_leak = area/sqrt(T) ((1 - laminar) Cm(p_atm/pb) pb "
+        "+ laminar Cm(0) (pb^2 - p_atm^2)/(6 bar))"
+    ),
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 5e-7, (1e-8,), "effective area", "leakage.rod_seal_area"
         ),
+        EffectParameter(
+            "laminar", "", 0.0, 0.0, 1.0, (0.5,), "share of it that flows as through a gap",
+            "leakage.rod_seal_laminar",
+        ),
     ),
     source="thesis equation (4.15); Richer and Hurmuzlu 2000",
     experiment=_HOLD,
-)
+)  # fmt: skip
 _OPENING = "Chamber {} leaks through a gap that opens under pressure; the model holds it tight."
 PRESSURE_OPENING_A, PRESSURE_OPENING_B = (
     Effect(
@@ -131,7 +145,7 @@ PRESSURE_OPENING_A, PRESSURE_OPENING_B = (
                 f"leakage.opening_{chamber}_coefficient",
             ),
             EffectParameter(
-                "exponent", "", 1.25, 0.5, 2.5, (1.5,), "power of the gauge pressure",
+                "exponent", "", 1.25, 0.5, 2.5, (0.9, 1.8), "power of the gauge pressure",
                 f"leakage.opening_{chamber}_exponent",
             ),
         ),
@@ -144,8 +158,10 @@ LEAK_BY_POSITION = Effect(
     id="leakage.position",
     block="chamber.a",
     rigs=_SERVO,
-    statement="A worn zone of the bore leaks past the piston; the model holds it tight everywhere.",
-    equation="m_ab = conductance exp(-((x/stroke - centre)/width)^2) (pa^2 - pb^2)",
+    statement=(
+        "A worn zone of the bore leaks more past the piston; the model holds it tight everywhere."
+    ),
+    equation="m_ab = (conductance exp(-((x/stroke - centre)/width)^2) + elsewhere) (pa^2 - pb^2)",
     parameters=(
         EffectParameter(
             "conductance", "kg/(s*Pa**2)", 0.0, 0.0, 5e-15, (1e-16,), "in the middle of the zone",
@@ -159,6 +175,10 @@ LEAK_BY_POSITION = Effect(
             "width", "", 0.1, 0.02, 0.5, (0.1,), "of the zone along the stroke",
             "leakage.worn_width",
         ),
+        EffectParameter(
+            "elsewhere", "kg/(s*Pa**2)", 0.0, 0.0, 2e-15, (1e-18,), "in the rest of the bore",
+            "leakage.unworn_conductance",
+        ),
     ),
     source="scratched or worn bores; form of Richer and Hurmuzlu 2000",
     experiment="hold at several places of the stroke under a pressure difference",
@@ -167,12 +187,16 @@ LEAK_BY_VELOCITY = Effect(
     id="leakage.velocity",
     block="chamber.a",
     rigs=_SERVO,
-    statement="The seal lifts and leaks while it slides; the model holds it tight.",
-    equation="m_ab = conductance |v| (pa^2 - pb^2)",
+    statement="The seal lifts and leaks more while it slides; the model holds it tight.",
+    equation="m_ab = (conductance |v| + at_rest) (pa^2 - pb^2)",
     parameters=(
         EffectParameter(
             "conductance", "kg/(m*Pa**2)", 0.0, 0.0, 2e-14, (3e-16,), "per speed",
             "leakage.moving_conductance",
+        ),
+        EffectParameter(
+            "at_rest", "kg/(s*Pa**2)", 0.0, 0.0, 2e-15, (1e-18,), "the same of a seal at rest",
+            "leakage.lifted_conductance",
         ),
     ),
     source="film lubrication of lip seals; Beater 2007",

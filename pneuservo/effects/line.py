@@ -10,7 +10,9 @@ RESTRICTION = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement="The hoses throttle the flow; the model has no pressure drop in them.",
-    equation="1/C^2 = 1/Cv^2 + 1/area^2, on every path",
+    equation=(
+        "charging: m_edge(p_s, ph) = area C sqrt(ph^2 - p^2); exhausting: 1/C^2 = 1/Cv^2 + 1/area^2"
+    ),
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 1e-5, (2e-6,), "effective area of a hose; 0 for none",
@@ -24,14 +26,18 @@ DELAY = Effect(
     id="line.delay",
     block=_BLOCK,
     rigs=_RIGS,
-    statement="The flow reaches the chambers late; the model has no hose to travel.",
-    equation="m_chamber(t) = m_valve(t - time)",
+    statement="The flow reaches the chambers late and weakened; the model has no hose to travel.",
+    equation="m_chamber(t) = m_valve(t - time), throttled by area as in line.restriction",
     parameters=(
         EffectParameter("time", "s", 0.0, 0.0, 1e-2, (1e-3, 3e-3), "time on the way", "line.delay"),
+        EffectParameter(
+            "area", "m**2", 0.0, 0.0, 2e-5, (5e-6,), "effective area of a hose; 0 for none",
+            "line.attenuating_area",
+        ),
     ),
     source="Richer and Hurmuzlu 2000; Schuder and Binder 1959: 2.9 ms per metre",
     experiment="swap the hoses for longer ones; tap the pressure at both ends",
-)
+)  # fmt: skip
 RESONANCE = Effect(
     id="line.resonance",
     block=_BLOCK,

@@ -23,7 +23,10 @@ NULL_LEAKAGE = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement="All four paths leak while the spool is near its middle; the model seals them.",
-    equation="A_leak = share A exp(-|xs|/width), on every path",
+    equation=(
+        "A_leak = share A exp(-|xs|/width), on every path; "
+        "m = A_leak/sqrt(T) ((1 - laminar) Cm(Pd/Pu) Pu + laminar Cm(0) (Pu^2 - Pd^2)/(6 bar))"
+    ),
     parameters=(
         EffectParameter(
             "share", "", 0.0, 0.0, 0.05, (0.01,), "leak at null over the full area",
@@ -32,6 +35,10 @@ NULL_LEAKAGE = Effect(
         EffectParameter(
             "width", "", 0.02, 0.005, 0.1, (0.02,), "opening over which it fades",
             "valve.null_leakage_width",
+        ),
+        EffectParameter(
+            "laminar", "", 0.0, 0.0, 1.0, (0.5,), "share of it that flows as through a gap",
+            "valve.null_leakage_laminar",
         ),
     ),
     source="Eryilmaz and Wilson 2000, J. Dyn. Syst. Meas. Control; ISO 6358",
@@ -162,7 +169,7 @@ EXHAUST_BACK_PRESSURE = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement="A silencer throttles the exhaust; the model exhausts freely.",
-    equation="1/C^2 = 1/Cv^2 + 1/area^2, on the exhaust paths",
+    equation="m_edge(p, pe) = area C sqrt(pe^2 - p_atm^2), pe the pressure behind the edge",
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 2e-5, (2e-6,), "effective area of the silencer; 0 for none",

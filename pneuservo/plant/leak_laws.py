@@ -1,7 +1,12 @@
 """What flows through a leak, by its form: hole, narrow gap, or one that opens under pressure."""
 
+import math
+
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.gas import orifice_mass_flow
+from pneuservo.plant.gas import gas_mass_flow, orifice_mass_flow
+
+GAP_REFERENCE = 6e5
+"""Pressure at which a gap passes as much into a vacuum as an orifice of its area [Pa]."""
 
 
 @compiled
@@ -31,3 +36,39 @@ def power_leak(pressure, ambient, coefficient, exponent):
     if gauge >= 0.0:
         return coefficient * gauge**exponent
     return -coefficient * (-gauge) ** exponent
+
+
+@compiled
+def mixed_leak(upstream_pressure, downstream_pressure, area, laminar, gas):
+    """Return the mass flow of a leak that is in part a hole and in part a narrow gap [kg/s].
+
+    Parameters
+    ----------
+    upstream_pressure, downstream_pressure : float
+        Absolute [Pa].
+    area : float
+        Effective area [m^2].
+    laminar : float
+        Share of the gap: 0 for a hole, 1 for a gap alone [-].
+    gas : Gas
+        The gas.
+
+    Notes
+    -----
+    The gap's flow goes with the difference of the squared pressures (Richer and Hurmuzlu 2000);
+    real leaks lie between the two (Eryilmaz and Wilson 2000 of a spool's clearance).
+
+    Examples
+    --------
+    >>> from pneuservo.plant.gas import ideal_gas
+    >>> air = ideal_gas(293.0, 287.0, 1.4)
+    >>> hole, gap = (mixed_leak(6e5, 0.0, 1e-9, share, air) for share in (0.0, 1.0))
+    >>> round(gap / hole, 9)
+    1.0
+    """
+    hole = gas_mass_flow(upstream_pressure, downstream_pressure, area, 1.0, gas)
+    if laminar == 0.0:
+        return hole
+    squares = upstream_pressure * upstream_pressure - downstream_pressure * downstream_pressure
+    choked = gas.choked_coefficient * area / math.sqrt(gas.temperature)
+    return (1.0 - laminar) * hole + laminar * choked * squares / GAP_REFERENCE

@@ -3,8 +3,7 @@
 import math
 from typing import NamedTuple
 
-from pneuservo.plant.gas import gas_mass_flow
-from pneuservo.plant.leak_laws import laminar_leak, power_leak
+from pneuservo.plant.leak_laws import laminar_leak, mixed_leak, power_leak
 from pneuservo.plant.servo.compilation import compiled
 
 
@@ -14,9 +13,13 @@ class LeakageEffects(NamedTuple):
     cross_conductance: float = 0.0
     """Narrow gap past the piston seal [kg/(s Pa^2)]."""
     chamber_a_area: float = 0.0
-    """Effective area of a hole from chamber a to the outside [m^2]."""
+    """Effective area of a leak from chamber a to the outside [m^2]."""
+    chamber_a_laminar: float = 0.0
+    """Share of it that flows as through a narrow gap, not as through a hole [-]."""
     rod_seal_area: float = 0.0
-    """Effective area of a hole from chamber b to the outside [m^2]."""
+    """Effective area of a leak from chamber b to the outside [m^2]."""
+    rod_seal_laminar: float = 0.0
+    """Share of it that flows as through a narrow gap [-]."""
     opening_a_coefficient: float = 0.0
     """Flow at 1 bar gauge of a leak of chamber a that opens under pressure [kg/s]."""
     opening_a_exponent: float = 1.25
@@ -29,8 +32,12 @@ class LeakageEffects(NamedTuple):
     """Where the zone is, as a share of the stroke [-]."""
     worn_width: float = 0.1
     """Its half width, as a share of the stroke [-]."""
+    unworn_conductance: float = 0.0
+    """The same gap in the rest of the bore [kg/(s Pa^2)]."""
     moving_conductance: float = 0.0
     """Narrow gap past the piston per piston speed [kg/(s Pa^2) per m/s]."""
+    lifted_conductance: float = 0.0
+    """What of this gap is open at rest [kg/(s Pa^2)]."""
 
 
 @compiled
@@ -55,7 +62,8 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
     Compressible laminar gap, q = G (pa^2 - pb^2) (Richer and Hurmuzlu 2000); a worn zone adds a
     bell-shaped G(x), a seal lifted by its film G in proportion to the speed.
     """
-    conductance = effects.cross_conductance + effects.moving_conductance * abs(velocity)
+    conductance = effects.cross_conductance + effects.unworn_conductance
+    conductance += effects.lifted_conductance + effects.moving_conductance * abs(velocity)
     if effects.worn_conductance > 0.0:
         away = (displacement / stroke - effects.worn_centre) / effects.worn_width
         conductance += effects.worn_conductance * math.exp(-away * away)
@@ -65,7 +73,7 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
 
 
 @compiled
-def outward_leak(pressure, ambient, area, coefficient, exponent, gas):
+def outward_leak(pressure, ambient, area, laminar, coefficient, exponent, gas):
     """Return the mass flow from a chamber to the outside [kg/s].
 
     Parameters
@@ -73,7 +81,9 @@ def outward_leak(pressure, ambient, area, coefficient, exponent, gas):
     pressure, ambient : float
         Absolute [Pa].
     area : float
-        Effective area of a hole [m^2].
+        Effective area of a leak [m^2].
+    laminar : float
+        Share of it that is a narrow gap [-].
     coefficient, exponent : float
         Flow at 1 bar gauge [kg/s] and power of a leak that opens under pressure.
     gas : Gas
@@ -81,7 +91,7 @@ def outward_leak(pressure, ambient, area, coefficient, exponent, gas):
     """
     flow = 0.0
     if area > 0.0:
-        flow += gas_mass_flow(pressure, ambient, area, 1.0, gas)
+        flow += mixed_leak(pressure, ambient, area, laminar, gas)
     if coefficient > 0.0:
         flow += power_leak(pressure, ambient, coefficient, exponent)
     return flow

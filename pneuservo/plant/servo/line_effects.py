@@ -17,12 +17,34 @@ class LineEffects(NamedTuple):
     """Effective area of each hose as an orifice behind the valve [m^2]; 0 for none."""
     delay: float = 0.0
     """Time the flow takes from the valve to the chamber [s]."""
+    attenuating_area: float = 0.0
+    """Effective area of what throttles it on the way [m^2]; 0 for nothing."""
     frequency: float = 0.0
     """Resonance of hose and chamber at mid-stroke [Hz]; 0 for none."""
     damping: float = 0.2
     """Its damping ratio [-]."""
     compliance: float = 0.0
     """Relative growth of the dead volume per pressure [1/Pa]."""
+
+
+@compiled
+def throttling_area(effects):
+    """Return the effective area of all that throttles the flow in a hose [m^2]; 0 for nothing.
+
+    Parameters
+    ----------
+    effects : LineEffects
+        The effects.
+
+    Examples
+    --------
+    >>> round(throttling_area(LineEffects(area=3e-6, attenuating_area=4e-6)) * 1e6, 9)
+    2.4
+    """
+    if effects.area > 0.0 and effects.attenuating_area > 0.0:
+        both = effects.area * effects.area + effects.attenuating_area * effects.attenuating_area
+        return effects.area * effects.attenuating_area / math.sqrt(both)
+    return max(effects.area, effects.attenuating_area)
 
 
 @compiled

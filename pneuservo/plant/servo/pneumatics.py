@@ -109,10 +109,22 @@ def _leaks(state, velocity, servo):
         pa, pb, state[DISPLACEMENT], velocity, plant.piston.stroke, gas.temperature, leak
     )
     out_a = outward_leak(
-        pa, ambient, leak.chamber_a_area, leak.opening_a_coefficient, leak.opening_a_exponent, gas
+        pa,
+        ambient,
+        leak.chamber_a_area,
+        leak.chamber_a_laminar,
+        leak.opening_a_coefficient,
+        leak.opening_a_exponent,
+        gas,
     )
     out_b = outward_leak(
-        pb, ambient, leak.rod_seal_area, leak.opening_b_coefficient, leak.opening_b_exponent, gas
+        pb,
+        ambient,
+        leak.rod_seal_area,
+        leak.rod_seal_laminar,
+        leak.opening_b_coefficient,
+        leak.opening_b_exponent,
+        gas,
     )
     return across, out_a, out_b
 

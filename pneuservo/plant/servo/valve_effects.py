@@ -21,6 +21,8 @@ class ValveEffects(NamedTuple):
     """Effective leak area of each path at null, as a share of its full area [-]."""
     null_leakage_width: float = 0.02
     """Opening over which the leak fades to 1/e [-]."""
+    null_leakage_laminar: float = 0.0
+    """Share of the leak that flows as through a narrow gap, not as through an orifice [-]."""
     critical_ratio: float = 0.0
     """Pressure ratio b of the ellipse of ISO 6358 [-]; 0 for the isentropic nozzle."""
     laminar_width: float = 0.0
@@ -164,6 +166,45 @@ def in_series(coefficient, area, series_area):
         share = coefficient * area / series_area
         return coefficient / math.sqrt(1.0 + share * share)
     return coefficient
+
+
+@compiled
+def pressure_behind(upstream, downstream, share, gas):
+    """Return the pressure between an edge of the valve and a throttle behind it [Pa].
+
+    Parameters
+    ----------
+    upstream, downstream : float
+        Absolute pressures before the edge and behind the throttle: a silencer or a hose [Pa].
+    share : float
+        Effective area of the edge over that of the throttle [-].
+    gas : Gas
+        The gas.
+
+    Notes
+    -----
+    What passes the edge passes the throttle: share^2 (P^2 - ((Pe - b P)/(1 - b))^2) = Pe^2 - Pd^2,
+    the ellipse of ISO 6358 for the edge, and for the throttle a turbulent pipe's difference of
+    squares (Beater 2007). Where Pe stays below b P the edge is choked and does not notice.
+
+    Examples
+    --------
+    >>> from pneuservo.plant.gas import ideal_gas
+    >>> air = ideal_gas(293.0, 287.0, 1.4)
+    >>> pressure_behind(6e5, 1e5, 0.01, air) < 1.003e5
+    True
+    >>> round(pressure_behind(6e5, 1e5, 1.0, air) / 6e5, 3)
+    0.814
+    """
+    choked = math.sqrt(downstream * downstream + share * share * upstream * upstream)
+    bend = gas.critical_pressure_ratio * upstream
+    if choked <= bend:
+        return choked
+    slope = share / (1.0 - gas.critical_pressure_ratio)
+    slope *= slope
+    known = slope * bend * bend - share * share * upstream * upstream - downstream * downstream
+    root = math.sqrt(slope * slope * bend * bend - (1.0 + slope) * known)
+    return (slope * bend + root) / (1.0 + slope)
 
 
 @compiled

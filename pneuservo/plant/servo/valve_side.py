@@ -1,6 +1,7 @@
 """The valve between supply, exhaust and its two ports, with every effect."""
 
 from pneuservo.plant.gas import gas_mass_flow
+from pneuservo.plant.leak_laws import mixed_leak
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
 from pneuservo.plant.servo.compilation import compiled
 from pneuservo.plant.servo.drive import given
@@ -14,6 +15,7 @@ from pneuservo.plant.servo.layout import (
     TEMPERATURE_B,
     TIME,
 )
+from pneuservo.plant.servo.line_effects import throttling_area
 from pneuservo.plant.servo.supply_effects import has_reservoir, source_pressure
 from pneuservo.plant.servo.valve_effects import (
     area_factor,
@@ -21,6 +23,7 @@ from pneuservo.plant.servo.valve_effects import (
     flow_factor,
     in_series,
     null_leakage_share,
+    pressure_behind,
 )
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B
 from pneuservo.plant.valve import (
@@ -90,12 +93,19 @@ def path_flow(
     valve, gas = plant.valve, plant.gas
     ratio = min(upstream, downstream) / max(upstream, downstream)
     coefficient = discharge_coefficient(path, valve.full_voltage * opening, ratio, grid)
+    hose = throttling_area(effects.line)
+    behind = effects.valve.exhaust_area if exhausts else hose
+    if behind > 0.0 and upstream > downstream:
+        share = coefficient * area * opening / behind
+        downstream = pressure_behind(upstream, downstream, share, gas)
+        ratio = downstream / upstream
+        coefficient = discharge_coefficient(path, valve.full_voltage * opening, ratio, grid)
     coefficient *= 1.0 - effects.valve.attached_loss * attached
     coefficient *= area_factor(opening, exhausts, port_b, effects.valve)
     open_area = area * opening
     if exhausts:
-        coefficient = in_series(coefficient, open_area, effects.valve.exhaust_area)
-    coefficient = in_series(coefficient, open_area, effects.line.area)
+        # Behind the hose the edge starts from less: whatever chokes, it passes that much less.
+        coefficient = in_series(coefficient, open_area, hose)
     coefficient *= flow_factor(ratio, gas, effects.valve)
     if source_temperature != gas.temperature:
         coefficient *= (gas.temperature / source_temperature) ** 0.5
@@ -193,9 +203,10 @@ def valve_flows(opening, state, memory, supply, servo, grid):
     if effects.null_leakage > 0.0:
         share = null_leakage_share(opening, effects)
         ambient, gas = plant.ambient_pressure, plant.gas
-        into_a = gas_mass_flow(supply, pa, share * valve.area_s_a, 1.0, gas)
-        into_b = gas_mass_flow(supply, pb, share * valve.area_s_b, 1.0, gas)
-        flow_a += into_a - gas_mass_flow(pa, ambient, share * valve.area_a_e, 1.0, gas)
-        flow_b += into_b - gas_mass_flow(pb, ambient, share * valve.area_b_e, 1.0, gas)
+        gap = effects.null_leakage_laminar
+        into_a = mixed_leak(supply, pa, share * valve.area_s_a, gap, gas)
+        into_b = mixed_leak(supply, pb, share * valve.area_s_b, gap, gas)
+        flow_a += into_a - mixed_leak(pa, ambient, share * valve.area_a_e, gap, gas)
+        flow_b += into_b - mixed_leak(pb, ambient, share * valve.area_b_e, gap, gas)
         drawn += into_a + into_b
     return flow_a, flow_b, drawn

@@ -55,6 +55,37 @@ def test_an_effect_in_another_channel_does_not_compete_with_it():
     assert unseen < SECOND_SHARE
 
 
+def leaves(energy, unknowns):
+    """Return what stands for a fit that leaves this sum of squares."""
+    return SimpleNamespace(
+        residuals=np.array([np.sqrt(energy)]),
+        weigh=lambda residuals: residuals,
+        penalty=0.0,
+        unknowns=unknowns,
+    )
+
+
+@pytest.mark.parametrize(
+    ("evidence", "left_over", "unknowns", "named"),
+    [
+        # Three units of evidence do not decide: the simplest.
+        ((0.0, 3.0), (0.0, 20.0), (3, 1), "second"),
+        # A hundred do, and the other leaves more than forms of laws leave.
+        ((0.0, 100.0), (0.0, 20.0), (3, 1), "first"),
+        # It leaves no more than that.
+        ((0.0, 100.0), (0.0, 9.0), (3, 1), "second"),
+        # As simple and as good: the catalogue's order.
+        ((9.0, 0.0), (9.0, 0.0), (1, 1), "first"),
+    ],
+)
+def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over, unknowns, named):
+    names = ("first", "second")
+    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), (), lambda name, fit: 0.0)
+    tried = {n: leaves(e, u) for n, e, u in zip(names, left_over, unknowns, strict=True)}
+    found = judge.first_choice(dict(zip(names, evidence, strict=True)), tried, names)
+    assert found == named
+
+
 def test_less_than_none_of_an_effect_promises_nothing():
     rng = np.random.default_rng(1)
     signature, shape = rng.standard_normal((2, 1000))

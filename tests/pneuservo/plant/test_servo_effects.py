@@ -16,7 +16,7 @@ from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.spool_effects import SpoolEffects, breakaway_of_spool, spool_rates
 from pneuservo.plant.servo.stop_effects import StopEffects, bumper_force
 from pneuservo.plant.servo.transducers import play, read_pressures, true_motion, true_pressures
-from pneuservo.plant.servo.valve_effects import ValveEffects, in_series
+from pneuservo.plant.servo.valve_effects import ValveEffects, in_series, pressure_behind
 from pneuservo.plant.servo.valve_side import valve_flows
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import InitialState, simulate
@@ -115,6 +115,28 @@ def test_null_leakage_pulls_both_chambers_to_one_pressure():
     flow = flows(leaky, 0.0, 3e5, 3e5)[0]
     expected = gas_mass_flow(6.5e5, 3e5, 0.87e-8, 1.0, PLANT.gas)
     assert flow == pytest.approx(expected - gas_mass_flow(3e5, 1.013e5, 0.795e-8, 1.0, PLANT.gas))
+
+
+def test_a_laminar_leak_goes_with_the_difference_of_the_squares():
+    gap = ValveEffects(null_leakage=0.01, null_leakage_laminar=1.0)
+    full, less = (flows(gap, 0.0, 6.5e5, pressure)[1] for pressure in (6.5e5, 5.5e5))
+    # Of both paths of port b: what one more bar below the supply is worth.
+    area = 0.01 * (PLANT.valve.area_s_b + PLANT.valve.area_b_e)
+    expected = gas_mass_flow(6e5, 1e-3, area, 1.0, PLANT.gas) * (6.5**2 - 5.5**2) / 6.0**2
+    assert less - full == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_passes_an_edge_passes_the_throttle_behind_it():
+    # The edge does not notice while it is choked; then the throttle takes its share.
+    behind = [pressure_behind(6e5, 1e5, share, PLANT.gas) for share in (0.0, 0.3, 0.6, 1.0, 3.0)]
+    assert behind[0] == 1e5
+    assert np.all(np.diff(behind) > 0.0)
+    assert behind[1] == pytest.approx(np.hypot(1e5, 1.8e5), rel=1e-12)
+    assert behind[-1] < 6e5
+    b = PLANT.gas.critical_pressure_ratio
+    for share, pressure in ((0.6, behind[2]), (1.0, behind[3]), (3.0, behind[4])):
+        edge = share * np.sqrt(6e5**2 - ((pressure - b * 6e5) / (1.0 - b)) ** 2)
+        assert edge == pytest.approx(np.sqrt(pressure**2 - 1e10), rel=1e-9)
 
 
 def test_the_laminar_tail_is_a_straight_line_to_equal_pressures():
