@@ -91,7 +91,10 @@ class ServoModel(Model):
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
-        recording, fed = _without_hum(recording, with_observer(feed(recording, rig), rig), rig)
+        return self._read(recording, rig, ramped=True)
+
+    def _read(self, recorded: Recording, rig: Rig, ramped: bool) -> list[Case]:
+        recording, fed = _without_hum(recorded, rig, ramped)
         if "stick-mask" in self.without:
             fed = with_gains(held_at_stops(fed, rig), rig)
         found: list[Case] = []
@@ -108,7 +111,7 @@ class ServoModel(Model):
                 Case(
                     recording,
                     recording[channel] / noise,
-                    {"feed": fed, "leads": not found},
+                    {"feed": fed, "leads": not found, "recorded": recorded},
                     1.0,
                     rig,
                     usable,
@@ -119,7 +122,7 @@ class ServoModel(Model):
             )
         if not found:
             raise InputError(
-                f"{recording.source or recording.name}: the piston does not move and no pressure "
+                f"{recorded.source or recorded.name}: the piston does not move and no pressure "
                 "was recorded: there is nothing to judge; record both pressures, or a motion"
             )
         return found
@@ -129,14 +132,14 @@ class ServoModel(Model):
 
         A controller that samples holds its command; an analogue one, or a recorder, does not.
         """
-        held: dict[int, Feed] = {}
-        found = []
-        for case in cases:
-            fed: Feed = case.inputs["feed"]
-            if id(fed) not in held:
-                held[id(fed)] = with_gains(held_command(fed, case.rig), case.rig)
-            found.append(replace(case, inputs={**case.inputs, "feed": held[id(fed)]}))
-        return [list(cases), found]
+        # Read in the wrong way a relay leaves lines that pass for hum: it is looked for in each.
+        held = [
+            read
+            for case in cases
+            if case.inputs["leads"]
+            for read in self._read(case.inputs["recorded"], case.rig, ramped=False)
+        ]
+        return [list(cases), held]
 
     def unlikeliness(self, cases: Sequence[Case], values: Sequence[Values]) -> float:
         """Return how unlikely the innovations of all recordings are, each counted once."""
@@ -220,11 +223,12 @@ class ServoModel(Model):
         return regimes_of(case.inputs["feed"], case.rig)
 
 
-def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, Feed]:
+def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recording, Feed]:
     """Return a recording without mains hum, and its feed.
 
     Innovations show a line as it is read; what is taken out shows what the motion had taken up.
     """
+    fed = _fed(recording, rig, ramped)
     for _ in range(_HUM_PASSES):
         noise = fed.noise_of(CHANNELS)
         left = run_observer(fed, {}, rig) / noise[:, np.newaxis]
@@ -241,8 +245,13 @@ def _without_hum(recording: Recording, fed: Feed, rig: Rig) -> tuple[Recording, 
             if name in channels:
                 channels[name] = channels[name] - scale * waves
         recording = replace(recording, channels=channels)
-        fed = with_observer(feed(recording, rig), rig)
+        fed = _fed(recording, rig, ramped)
     return recording, fed
+
+
+def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
+    fed = feed(recording, rig)
+    return with_observer(fed if ramped else held_command(fed, rig), rig)
 
 
 def _unlikeliness(fed: Feed, values: Values, rig: Rig) -> float:
