@@ -34,6 +34,7 @@ def best_start(
         if model.steady:
             # A fit that keeps its sensitivities has to begin near enough.
             starts += [sized for start in moved for sized in _sized(start, near, hypothesis)]
+            starts += _balanced(moved[0], near, hypothesis)
     with np.errstate(all="ignore"):
         costs = [_cost(start) for start in starts]
     return starts[int(np.argsort(np.nan_to_num(costs, nan=np.inf))[0])]
@@ -73,3 +74,41 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
         np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
         found.append(sized)
     return found
+
+
+def _balanced(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
+    """Return the start of an effect of several sizes of either sign, if all of it were linear.
+
+    Scaled by one of them, as `_sized` does it, the others would begin where they may be far off.
+    """
+    added = hypothesis.effects - near.hypothesis.effects
+    parameters = {
+        effect.key(p.name): p
+        for effect in start.model.effects
+        if effect.id in added
+        for p in effect.parameters
+    }
+    if len(parameters) < 2 or any(p.low >= 0.0 or p.neutral for p in parameters.values()):
+        return []
+    places = [i for i, unknown in enumerate(start.shared) if unknown.key in parameters]
+    nothing = np.asarray(start.begin).copy()
+    nothing[places] = 0.0
+    columns = []
+    for place in places:
+        alone = nothing.copy()
+        alone[place] = start.units[place]
+        with np.errstate(all="ignore"):
+            there = near.weigh(start.residuals(alone / start.units))
+        change = np.clip(np.nan_to_num(near.weighted - there), -_RUNAWAY, _RUNAWAY)
+        columns.append(np.concatenate([change, np.zeros(len(near.distance))]))
+    left = np.concatenate([near.weighted, near.distance])
+    matrix = np.column_stack([near.sensitivity, -np.column_stack(columns)])
+    solution = np.linalg.lstsq(matrix, -left, rcond=None)[0]
+    others = near.sensitivity.shape[1]
+    balanced = begun_at(start, *near.moved(solution[:others]))
+    low, high = start.bounds
+    for place, size in zip(places, solution[others:], strict=True):
+        np.asarray(balanced.begin)[place] = (
+            np.clip(size, low[place], high[place]) * (start.units[place])
+        )
+    return [balanced]
