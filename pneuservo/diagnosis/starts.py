@@ -7,6 +7,7 @@ import numpy as np
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, begun_at, problems_of
 
 _SMALL = 0.1
@@ -57,9 +58,7 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
     if place is None:
         return []
     begin, unknown = np.asarray(start.begin), start.shared[place]
-    with np.errstate(all="ignore"):
-        there = near.weigh(start.residuals(begin / start.units))
-    change = np.clip(np.nan_to_num(near.weighted - there), -_RUNAWAY, _RUNAWAY)
+    change = _change(start, near, begin)
     left = np.concatenate([near.weighted, near.distance])
     beyond = near.beyond_refit(change)
     share = float(beyond @ left) / max(float(beyond @ beyond), 1e-300)
@@ -97,10 +96,7 @@ def _balanced(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem
     for place in places:
         alone = nothing.copy()
         alone[place] = start.units[place]
-        with np.errstate(all="ignore"):
-            there = near.weigh(start.residuals(alone / start.units))
-        change = np.clip(np.nan_to_num(near.weighted - there), -_RUNAWAY, _RUNAWAY)
-        columns.append(np.concatenate([change, np.zeros(len(near.distance))]))
+        columns.append(np.concatenate([_change(start, near, alone), np.zeros(len(near.distance))]))
     left = np.concatenate([near.weighted, near.distance])
     matrix = np.column_stack([near.sensitivity, -np.column_stack(columns)])
     solution = np.linalg.lstsq(matrix, -left, rcond=None)[0]
@@ -112,3 +108,10 @@ def _balanced(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem
             np.clip(size, low[place], high[place]) * (start.units[place])
         )
     return [balanced]
+
+
+def _change(start: Problem, near: Fit, values: Array) -> Array:
+    """Return what values in place of those of a similar fit change, in its weights."""
+    with np.errstate(all="ignore"):
+        there = near.weigh(start.residuals(values / start.units))
+    return np.clip(np.nan_to_num(near.weighted - there), -_RUNAWAY, _RUNAWAY)

@@ -57,6 +57,24 @@ def test_an_effect_that_is_not_there_gains_next_to_nothing(tilted, named):
     assert abs(explained(named, more)) < 20.0
 
 
+def test_an_effect_of_several_sizes_of_either_sign_is_found():
+    rig = load_rig("single-axis")
+    errors = (0.06, -0.05, -0.08, -0.06, 0.05, 0.08)
+    places = [f"{path}_{at}" for path in ("charge", "exhaust") for at in ("low", "middle", "high")]
+    true = {f"spool.lineariser:{k}": e for k, e in zip(places, errors, strict=True)}
+    model = model_of(rig.kind)
+    cases = model.cases(recorded(rig.with_values(true), Proportional(), 6, duration=3.0), rig)
+    baseline = fit(model, cases, Hypothesis())
+    found = fit(model, cases, Hypothesis().adding("spool.lineariser"), baseline)
+    known = [case.measured - model.predict(case, true) for case in cases]
+    left = sum(
+        float(np.sum(part[case.usable] ** 2)) for part, case in zip(known, cases, strict=True)
+    )
+    # As little as the true values leave, up to what as many parameters take of the noise.
+    assert found.samples * found.rms**2 < left + 60.0
+    assert explained(baseline, found) > 90.0
+
+
 def test_values_stay_within_their_bounds_wherever_a_step_leads(tilted):
     _, cases, baseline = tilted
     far = np.full(len(baseline.keys), -1e6)

@@ -38,6 +38,23 @@ def test_mains_hum_is_taken_out_of_every_channel(rig):
         assert np.std(left) < 0.4 * np.std(NOISE[case.channel] * hum)
 
 
+def test_a_chatter_that_is_read_wrongly_does_not_pass_for_hum(rig):
+    # A relay at the second harmonic of 60 Hz: a command that runs on would not fit its edges.
+    command = 4.0 * np.sign(np.sin(2.0 * np.pi * 120.0 * TIME + 0.1))
+    run = simulate(rig, time=TIME, command=command)
+    rng = np.random.default_rng(7)
+    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(TIME)) for name in NOISE}
+    recording = Recording("chatter", TIME, channels | {"valve_voltage": command})
+    model = ServoModel()
+    running, held = model.readings(model.cases(recording, rig))
+    taken = [
+        np.std(c.recording["pressure_a"] - recording["pressure_a"]) for c in (running[1], held[1])
+    ]
+    assert taken[0] > NOISE["pressure_a"]
+    assert taken[1] < 0.2 * NOISE["pressure_a"]
+    assert np.std(by_channel(model, held, {})["pressure_a"]) == pytest.approx(1.0, abs=0.1)
+
+
 def pressed(rig, offset):
     """Return a run into both stops, the displacement's zero off by some."""
     command = np.where(TIME % 2.0 < 1.0, 3.0, -3.0)
