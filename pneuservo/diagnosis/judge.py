@@ -170,7 +170,10 @@ class ByGain:
     def earns(self, name: str, closer: Fit, drop: float) -> bool:
         """Return whether a candidate explains more than chance, imitations and form would."""
         if name.startswith("param."):
-            return drop > max(LEAST_DISTANCE, OVER_IMITATIONS * self.pretended(name, closer))
+            # What the form of an effect beside it leaves pulls at parameters too.
+            form = AS_GOOD * explained(self.baseline, self.current)
+            pretended = OVER_IMITATIONS * self.pretended(name, closer)
+            return drop > max(LEAST_DISTANCE, pretended, form)
         if drop <= DECISIVE or self._too_small(name, closer):
             return False
         # Where the named law and the real one differ in form a little is always left.

@@ -86,6 +86,14 @@ def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over
     assert found == named
 
 
+@pytest.mark.parametrize(("found_before", "earns"), [(0.0, True), (3000.0, True), (5000.0, False)])
+def test_what_the_form_of_an_effect_leaves_makes_no_parameter_wrong(found_before, earns):
+    current = leaves(1000.0, 24)
+    baseline = leaves(1000.0 + found_before, 23)
+    judge = ByGain(current, baseline, (), lambda name, fit: 0.0)
+    assert judge.earns("param.piston.stroke", leaves(960.0, 24), 40.0) == earns
+
+
 def test_less_than_none_of_an_effect_promises_nothing():
     rng = np.random.default_rng(1)
     signature, shape = rng.standard_normal((2, 1000))
