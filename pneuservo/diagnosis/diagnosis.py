@@ -235,7 +235,8 @@ def _as_read(
     """Return all cases in the reading that fits those better that are used, with its baseline."""
     readings = model.readings(cases)
     place, baseline = likeliest(model, readings, progress)
-    return readings[place], model.readings(held_back)[place], baseline
+    # What is held back may have nothing to judge in the reading that is not asked for.
+    return readings[place], model.readings(held_back)[place] if place else held_back, baseline
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -171,7 +171,9 @@ class ByGain:
         """Return whether a candidate explains more than chance, imitations and form would."""
         if name.startswith("param."):
             # What the form of an effect beside it leaves pulls at parameters too.
-            form = AS_GOOD * explained(self.baseline, self.current)
+            form = 0.0
+            if self.current.hypothesis.effects:
+                form = AS_GOOD * explained(self.baseline, self.current)
             pretended = OVER_IMITATIONS * self.pretended(name, closer)
             return drop > max(LEAST_DISTANCE, pretended, form)
         if drop <= DECISIVE or self._too_small(name, closer):
@@ -200,7 +202,7 @@ class ByGain:
         ]
         rivals = {*undecided, *alike}
         fewest = min(tried[name].unknowns for name in rivals)
-        # In the catalogue's order, which begins with the common.
+        # In the catalogue's order.
         return next(n for n in tried if n in rivals and tried[n].unknowns == fewest)
 
     def share(self, closer: Fit) -> float:

@@ -74,6 +74,7 @@ _HOLD = (
     "plug or close the valve, lock the piston, and log both pressures for 60 s at several "
     "pressure differences of both signs"
 )
+_PAST_PISTON = "leak past the piston"
 CROSS_PISTON = Effect(
     id="leakage.cross-piston",
     block="chamber.a",
@@ -88,6 +89,7 @@ CROSS_PISTON = Effect(
     ),
     source="Richer and Hurmuzlu 2000, J. Dyn. Syst. Meas. Control 122; Beater 2007",
     experiment=_HOLD,
+    group=_PAST_PISTON,
 )  # fmt: skip
 CHAMBER_A = Effect(
     id="leakage.chamber-a",
@@ -182,6 +184,7 @@ LEAK_BY_POSITION = Effect(
     ),
     source="scratched or worn bores; form of Richer and Hurmuzlu 2000",
     experiment="hold at several places of the stroke under a pressure difference",
+    group=_PAST_PISTON,
 )  # fmt: skip
 LEAK_BY_VELOCITY = Effect(
     id="leakage.velocity",
@@ -201,6 +204,7 @@ LEAK_BY_VELOCITY = Effect(
     ),
     source="film lubrication of lip seals; Beater 2007",
     experiment="run at several constant speeds under one pressure difference",
+    group=_PAST_PISTON,
 )  # fmt: skip
 EFFECTS = (
     *LEAKS,

@@ -4,6 +4,7 @@ from pneuservo.effects.effect import Effect, EffectParameter
 
 _RIGS = ("single-axis",)
 _BLOCK = "lines"
+_HOSE = "throttle of the hoses"
 
 RESTRICTION = Effect(
     id="line.restriction",
@@ -11,7 +12,8 @@ RESTRICTION = Effect(
     rigs=_RIGS,
     statement="The hoses throttle the flow; the model has no pressure drop in them.",
     equation=(
-        "charging: m_edge(p_s, ph) = area C sqrt(ph^2 - p^2); exhausting: 1/C^2 = 1/Cv^2 + 1/area^2"
+        "charging: m_edge(p_s, ph) = area Cm(0) sqrt((ph^2 - p^2)/T); "
+        "exhausting: 1/A^2 = 1/A_edge^2 + 1/area^2"
     ),
     parameters=(
         EffectParameter(
@@ -21,6 +23,7 @@ RESTRICTION = Effect(
     ),
     source="Richer and Hurmuzlu 2000; thesis chapter 3: below 0.3 bar on 1 m",
     experiment="tap the pressure at both ends of a hose; charge at several openings",
+    group=_HOSE,
 )  # fmt: skip
 DELAY = Effect(
     id="line.delay",
@@ -31,12 +34,13 @@ DELAY = Effect(
     parameters=(
         EffectParameter("time", "s", 0.0, 0.0, 1e-2, (1e-3, 3e-3), "time on the way", "line.delay"),
         EffectParameter(
-            "area", "m**2", 0.0, 0.0, 2e-5, (5e-6,), "effective area of a hose; 0 for none",
+            "area", "m**2", 0.0, 2e-7, 2e-5, (5e-6,), "effective area of a hose; 0 for none",
             "line.attenuating_area",
         ),
     ),
     source="Richer and Hurmuzlu 2000; Schuder and Binder 1959: 2.9 ms per metre",
     experiment="swap the hoses for longer ones; tap the pressure at both ends",
+    group=_HOSE,
 )  # fmt: skip
 RESONANCE = Effect(
     id="line.resonance",

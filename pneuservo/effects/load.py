@@ -60,7 +60,7 @@ BASE_MOTION = Effect(
             "load.mode_share",
         ),
         EffectParameter(
-            "frequency", "Hz", 20.0, 3.0, 150.0, _MODE_STARTS, "of the frame on its feet",
+            "frequency", "Hz", 20.0, 3.0, 150.0, _MODE_STARTS, "of frame and load on its feet",
             "load.mode_frequency",
         ),
         EffectParameter(

@@ -169,7 +169,7 @@ EXHAUST_BACK_PRESSURE = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement="A silencer throttles the exhaust; the model exhausts freely.",
-    equation="m_edge(p, pe) = area C sqrt(pe^2 - p_atm^2), pe the pressure behind the edge",
+    equation="m_edge(p, pe) = area Cm(0) sqrt((pe^2 - p_atm^2)/T), pe the pressure behind the edge",
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 2e-5, (2e-6,), "effective area of the silencer; 0 for none",

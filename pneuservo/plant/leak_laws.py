@@ -1,4 +1,4 @@
-"""What flows through a leak, by its form: hole, narrow gap, or one that opens under pressure."""
+"""What flows through a leak, by its form: hole, narrow gap, both, or one that opens."""
 
 import math
 

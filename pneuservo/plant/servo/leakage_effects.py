@@ -60,7 +60,8 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
     Notes
     -----
     Compressible laminar gap, q = G (pa^2 - pb^2) (Richer and Hurmuzlu 2000); a worn zone adds a
-    bell-shaped G(x), a seal lifted by its film G in proportion to the speed.
+    bell-shaped G(x) to that of the rest, a seal lifted by its film adds G in proportion to the
+    speed to that at rest.
     """
     conductance = effects.cross_conductance + effects.unworn_conductance
     conductance += effects.lifted_conductance + effects.moving_conductance * abs(velocity)

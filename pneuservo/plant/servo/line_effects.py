@@ -14,7 +14,7 @@ class LineEffects(NamedTuple):
     """Parameters of the effects of the hoses."""
 
     area: float = 0.0
-    """Effective area of each hose as an orifice behind the valve [m^2]; 0 for none."""
+    """Effective area of each hose as a throttle at its port [m^2]; 0 for none."""
     delay: float = 0.0
     """Time the flow takes from the valve to the chamber [s]."""
     attenuating_area: float = 0.0

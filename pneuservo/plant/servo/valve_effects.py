@@ -142,16 +142,16 @@ def flow_factor(pressure_ratio, gas, effects):
 
 @compiled
 def in_series(coefficient, area, series_area):
-    """Return the discharge coefficient of an orifice with another one behind it [-].
+    """Return the discharge coefficient of an orifice with another one ahead of it [-].
 
     Parameters
     ----------
     coefficient : float
-        Discharge coefficient of the first [-].
+        Its discharge coefficient alone [-].
     area : float
-        Geometric area of the first [m^2].
+        Its geometric area [m^2].
     series_area : float
-        Effective area of the second [m^2]; 0 for none.
+        Effective area of the one ahead [m^2]; 0 for none.
 
     Notes
     -----

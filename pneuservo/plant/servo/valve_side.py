@@ -34,6 +34,9 @@ from pneuservo.plant.valve import (
     discharge_coefficient,
 )
 
+THROTTLE_PASSES = 3
+"""The edge's coefficient depends on the pressure behind it, which depends on the coefficient."""
+
 
 @compiled
 def supply_at_valve(state, drive, elapsed, servo):
@@ -87,23 +90,25 @@ def path_flow(
 
     Notes
     -----
-    `pneuservo.plant.valve.path_mass_flow` with every effect as a factor on the coefficient.
+    `pneuservo.plant.valve.path_mass_flow` with effects as factors on the coefficient, and behind
+    the edge the pressure that a silencer or a hose keeps up.
     """
     effects, plant = servo.effects, servo.plant
     valve, gas = plant.valve, plant.gas
     ratio = min(upstream, downstream) / max(upstream, downstream)
-    coefficient = discharge_coefficient(path, valve.full_voltage * opening, ratio, grid)
+    volts, open_area = valve.full_voltage * opening, area * opening
+    factor = 1.0 - effects.valve.attached_loss * attached
+    factor *= area_factor(opening, exhausts, port_b, effects.valve)
+    coefficient = factor * discharge_coefficient(path, volts, ratio, grid)
     hose = throttling_area(effects.line)
     behind = effects.valve.exhaust_area if exhausts else hose
     if behind > 0.0 and upstream > downstream:
-        share = coefficient * area * opening / behind
-        downstream = pressure_behind(upstream, downstream, share, gas)
-        ratio = downstream / upstream
-        coefficient = discharge_coefficient(path, valve.full_voltage * opening, ratio, grid)
-    coefficient *= 1.0 - effects.valve.attached_loss * attached
-    coefficient *= area_factor(opening, exhausts, port_b, effects.valve)
-    open_area = area * opening
-    if exhausts:
+        end = downstream
+        for _ in range(THROTTLE_PASSES):
+            downstream = pressure_behind(upstream, end, coefficient * open_area / behind, gas)
+            ratio = downstream / upstream
+            coefficient = factor * discharge_coefficient(path, volts, ratio, grid)
+    if exhausts or upstream < downstream:
         # Behind the hose the edge starts from less: whatever chokes, it passes that much less.
         coefficient = in_series(coefficient, open_area, hose)
     coefficient *= flow_factor(ratio, gas, effects.valve)

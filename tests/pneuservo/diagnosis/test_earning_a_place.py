@@ -62,6 +62,7 @@ def leaves(energy, unknowns):
         weigh=lambda residuals: residuals,
         penalty=0.0,
         unknowns=unknowns,
+        hypothesis=SimpleNamespace(effects={"first"}),
     )
 
 
