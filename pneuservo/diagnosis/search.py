@@ -284,13 +284,20 @@ class Search:
             found = self.rivals(member)
             own = next(rival for rival in found if rival.candidate == member)
             absent = next(rival for rival in found if not rival.candidate)
-            better = [rival for rival in found if rival.evidence < own.evidence - TIED]
+            better = [r for r in found if r.evidence < own.evidence - self._margin(member)]
             best = next((r for r in better if self._may_replace(member, r, absent)), None)
             if best is None:
                 continue
             place = self.accepted.index(member)
             self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
             self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+
+    def _margin(self, member: str) -> float:
+        """Return by how much a rival has to be better: what decided for a member still stands."""
+        if not self.model.steady:
+            return TIED
+        rest = self.fitted(self._with([m for m in self.accepted if m != member]))
+        return max(TIED, AS_GOOD * explained(rest, self.chosen))
 
     def _may_replace(self, member: str, rival: Rival, absent: Rival) -> bool:
         """Return whether a rival earns its place where a member would leave it."""
