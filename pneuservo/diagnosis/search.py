@@ -284,7 +284,8 @@ class Search:
             found = self.rivals(member)
             own = next(rival for rival in found if rival.candidate == member)
             absent = next(rival for rival in found if not rival.candidate)
-            better = [r for r in found if r.evidence < own.evidence - self._margin(member)]
+            limit = own.evidence - self._margin(member)
+            better = [rival for rival in found if rival.evidence < limit]
             best = next((r for r in better if self._may_replace(member, r, absent)), None)
             if best is None:
                 continue
@@ -296,14 +297,13 @@ class Search:
         """Return by how much a rival has to be better: what decided for a member still stands."""
         if not self.model.steady:
             return TIED
-        rest = self.fitted(self._with([m for m in self.accepted if m != member]))
-        return max(TIED, AS_GOOD * explained(rest, self.chosen))
+        return max(TIED, AS_GOOD * explained(self._rest(member), self.chosen))
 
     def _may_replace(self, member: str, rival: Rival, absent: Rival) -> bool:
         """Return whether a rival earns its place where a member would leave it."""
         if not self.model.steady or not rival.candidate:
             return True
-        rest = self.fitted(self._with([m for m in self.accepted if m != member]))
+        rest = self._rest(member)
         drop = absent.evidence - rival.evidence
         closer = self.fitted(rest.hypothesis.adding(rival.candidate), rest)
         return self._judge(rest).earns(rival.candidate, closer, drop)
@@ -331,6 +331,10 @@ class Search:
             if name not in accepted and group.get(name, "") not in taken
         ]
 
+    def _rest(self, member: str) -> Fit:
+        """Return the fit with everything accepted but a member."""
+        return self.fitted(self._with([m for m in self.accepted if m != member]))
+
     def _with(self, members: Sequence[str]) -> Hypothesis:
         hypothesis = Hypothesis()
         for member in members:
@@ -343,7 +347,7 @@ class Search:
 
     def share(self, member: str) -> float:
         """Return the share of the mismatch that an accepted member explains beside the others."""
-        rest = self.fitted(self._with([m for m in self.accepted if m != member]))
+        rest = self._rest(member)
         return self.unexplained_share(rest) - self.unexplained_share(self.chosen)
 
     def _unexplained(self, found: Fit) -> float:

@@ -104,9 +104,8 @@ def _balanced(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem
     balanced = begun_at(start, *near.moved(solution[:others]))
     low, high = start.bounds
     for place, size in zip(places, solution[others:], strict=True):
-        np.asarray(balanced.begin)[place] = (
-            np.clip(size, low[place], high[place]) * (start.units[place])
-        )
+        within = np.clip(size, low[place], high[place])
+        np.asarray(balanced.begin)[place] = within * start.units[place]
     return [balanced]
 
 

@@ -26,51 +26,46 @@ SPRING = Effect(
 _RIGS = ("single-axis",)
 _MODE_STARTS = (8.0, 11.0, 15.0, 21.0, 29.0, 40.0, 56.0)
 """Of a lightly damped mode nothing shows from a start far beside it [Hz]."""
+
+
+def _mode(share: str, frequency: str) -> tuple[EffectParameter, ...]:
+    """Return the parameters of a swing: that of the load and that of the frame obey one law."""
+    return (
+        EffectParameter("share", "", 0.0, 0.0, 0.4, (0.06,), share, "load.mode_share"),
+        EffectParameter(
+            "frequency", "Hz", 20.0, 3.0, 150.0, _MODE_STARTS, frequency, "load.mode_frequency"
+        ),
+        EffectParameter(
+            "damping", "", 0.02, 1e-3, 0.3, (0.1,), "damping ratio", "load.mode_damping"
+        ),
+    )
+
+
+_SWING = "swing of the structure"
 TRANSVERSE_MODE = Effect(
     id="load.transverse-mode",
     block="load",
     rigs=_RIGS,
     statement="Part of the load swings by itself; the model's load is rigid.",
     equation="q'' + 2 damping w q' + w^2 q = -x'', F = -share m (x'' + q''), w = 2 pi frequency",
-    parameters=(
-        EffectParameter(
-            "share", "", 0.0, 0.0, 0.4, (0.06,), "of the mass that swings", "load.mode_share"
-        ),
-        EffectParameter(
-            "frequency", "Hz", 20.0, 3.0, 150.0, _MODE_STARTS, "of the swing",
-            "load.mode_frequency",
-        ),
-        EffectParameter(
-            "damping", "", 0.02, 1e-3, 0.3, (0.1,), "damping ratio", "load.mode_damping"
-        ),
-    ),
+    parameters=_mode("of the mass that swings", "of the swing"),
     source="thesis section 4.3.3",
     experiment="tap it with an accelerometer on its side; change the mass",
-    group="swing of the structure",
-)  # fmt: skip
+    group=_SWING,
+)
 BASE_MOTION = Effect(
     id="load.base-motion",
     block="load",
     rigs=_RIGS,
     statement="The frame gives way under the piston's reaction; the model's stands still.",
     equation="y = share q, q'' + 2 damping w q' + w^2 q = -x'', F = -m y'', w = 2 pi frequency",
-    parameters=(
-        EffectParameter(
-            "share", "", 0.0, 0.0, 0.4, (0.06,), "moved mass over that of frame and load together",
-            "load.mode_share",
-        ),
-        EffectParameter(
-            "frequency", "Hz", 20.0, 3.0, 150.0, _MODE_STARTS, "of frame and load on its feet",
-            "load.mode_frequency",
-        ),
-        EffectParameter(
-            "damping", "", 0.02, 1e-3, 0.3, (0.1,), "damping ratio", "load.mode_damping"
-        ),
+    parameters=_mode(
+        "moved mass over that of frame and load together", "of frame and load on its feet"
     ),
     source="two masses on a spring, seen by a transducer on the frame; the law of the other mode",
     experiment="put an accelerometer on the frame",
-    group="swing of the structure",
-)  # fmt: skip
+    group=_SWING,
+)
 COMPLIANCE = Effect(
     id="load.compliance",
     block="load",

@@ -14,5 +14,10 @@ def recorded(rig, controller, seed: int, duration: float = 4.0) -> Recording:
     rng = np.random.default_rng(seed)
     demand = np.repeat(rng.uniform(0.006, 0.024, len(time) // 400 + 1), 400)[: len(time)]
     run = simulate(rig, time=time, controller=controller, demand=demand)
-    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(time)) for name in NOISE}
-    return Recording("run", time, channels | {"valve_voltage": run["valve_voltage"]})
+    return noisy(run, rng)
+
+
+def noisy(run, rng, noise=NOISE) -> Recording:
+    """Return a run as transducers with white noise record it."""
+    channels = {name: run[name] + rng.normal(0.0, noise[name], len(run.time)) for name in noise}
+    return Recording("run", run.time, channels | {"valve_voltage": run["valve_voltage"]})

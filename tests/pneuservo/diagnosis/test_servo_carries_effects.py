@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from servo_recordings import NOISE
+from servo_recordings import NOISE, noisy
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
@@ -23,9 +22,7 @@ def rig():
 def recorded(rig, demand, quiet):
     rng = np.random.default_rng(1)
     run = simulate(rig, time=TIME, controller=Proportional(), demand=demand)
-    noise = {name: quiet * size for name, size in NOISE.items()}
-    channels = {name: run[name] + rng.normal(0.0, noise[name], len(TIME)) for name in noise}
-    return Recording("run", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+    return noisy(run, rng, {name: quiet * size for name, size in NOISE.items()})
 
 
 def misfit(recording, rig, values):

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from servo_recordings import NOISE, recorded
+from servo_recordings import NOISE, noisy, recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import likeliest
-from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
@@ -41,10 +40,7 @@ def test_mains_hum_is_taken_out_of_every_channel(rig):
 def test_a_chatter_that_is_read_wrongly_does_not_pass_for_hum(rig):
     # A relay at the second harmonic of 60 Hz: a command that runs on would not fit its edges.
     command = 4.0 * np.sign(np.sin(2.0 * np.pi * 120.0 * TIME + 0.1))
-    run = simulate(rig, time=TIME, command=command)
-    rng = np.random.default_rng(7)
-    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(TIME)) for name in NOISE}
-    recording = Recording("chatter", TIME, channels | {"valve_voltage": command})
+    recording = noisy(simulate(rig, time=TIME, command=command), np.random.default_rng(7))
     model = ServoModel()
     running, held = model.readings(model.cases(recording, rig))
     taken = [
@@ -58,11 +54,9 @@ def test_a_chatter_that_is_read_wrongly_does_not_pass_for_hum(rig):
 def pressed(rig, offset):
     """Return a run into both stops, the displacement's zero off by some."""
     command = np.where(TIME % 2.0 < 1.0, 3.0, -3.0)
-    run = simulate(rig, time=TIME, command=command)
-    rng = np.random.default_rng(5)
-    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(TIME)) for name in NOISE}
-    channels["displacement"] += offset
-    return Recording("stops", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+    recording = noisy(simulate(rig, time=TIME, command=command), np.random.default_rng(5))
+    recording.channels["displacement"] += offset
+    return recording
 
 
 def test_a_piston_pressed_on_a_stop_tells_the_zero_of_its_transducer(rig):
@@ -90,10 +84,7 @@ def test_a_measured_supply_is_held_against_source_and_line(rig):
     sag = {"supply.sag:volume": 5e-5, "supply.sag:area": 8e-7}
     command = np.where(TIME % 0.4 < 0.2, 3.0, -3.0)
     run = simulate(rig.with_values(sag), time=TIME, command=command)
-    rng = np.random.default_rng(6)
-    noise = {**NOISE, "supply_pressure": 500.0}
-    channels = {name: run[name] + rng.normal(0.0, noise[name], len(TIME)) for name in noise}
-    recording = Recording("sag", TIME, channels | {"valve_voltage": run["valve_voltage"]})
+    recording = noisy(run, np.random.default_rng(6), {**NOISE, "supply_pressure": 500.0})
     model = ServoModel()
     cases = model.cases(recording, rig)
     source = {"supply_level": rig["supply.pressure"]}
@@ -119,7 +110,5 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     assert running[0].inputs["feed"].ramped
     steps = np.repeat(rng.uniform(0.3, 2.0, 150) * np.resize([1.0, -1.0], 150), 40)
     run = simulate(rig, time=TIME, command=steps)
-    channels = {name: run[name] + rng.normal(0.0, NOISE[name], len(TIME)) for name in NOISE}
-    sampled = Recording("steps", TIME, channels | {"valve_voltage": run["valve_voltage"]})
-    held = read_as(model, model.cases(sampled, rig))
+    held = read_as(model, model.cases(noisy(run, rng), rig))
     assert not held[0].inputs["feed"].ramped
