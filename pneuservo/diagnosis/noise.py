@@ -11,10 +11,6 @@ LIKELY_WANDER = 0.25
 """... by this share as a rule ..."""
 WANDER_TIME = 0.5
 """... within this time [s]: a third of the power of recorded noise is below some hertz."""
-_NEIGHBOURS = 7
-"""Bins of a spectrum that are taken together at least: more than a line with its feet has."""
-_WIDER = 1.5
-"""By how much each group of bins ends above its first."""
 
 
 def noise_floor(samples: Array, time: Array) -> float:
@@ -158,40 +154,26 @@ def wander(time: Array, rng: np.random.Generator) -> Array:
     return np.asarray(made)
 
 
-def coloured(residual: Array, rng: np.random.Generator) -> Array:
-    """Return random noise with the smooth part of a residual's spectrum: lines are left out.
+def mean_wander(duration: float) -> float:
+    """Return how far the mean of a wandering zero lies from where it is as a rule.
 
     Parameters
     ----------
-    residual : (n,) array
-        Evenly sampled, finite.
-    rng : Generator
-        Draws it.
+    duration : float
+        Of the recording [s].
 
     Returns
     -------
-    (n,) array
-        Drift and white noise, but no swing of one frequency and no trend.
+    float
+        Standard deviation, in units of the transducer's white noise [-].
 
     Notes
     -----
-    The power in each of some neighbouring bins, wider ones towards high frequency, is taken from
-    their median, which a single line does not move; that of noise is ln 2 times its mean.
+    Of a first-order drift seen for much longer than its time; never more than all of it.
 
     Examples
     --------
-    >>> rng = np.random.default_rng(1)
-    >>> t = np.arange(4000) * 1e-3
-    >>> made = coloured(np.sin(2 * np.pi * 5 * t) + 0.1 * rng.standard_normal(4000), rng)
-    >>> bool(abs(np.std(made) - 0.1) < 0.02)
-    True
+    >>> round(mean_wander(10.0), 2)
+    0.11
     """
-    power = np.abs(np.fft.rfft(residual - np.mean(residual))) ** 2
-    smooth, first = np.zeros_like(power), 1
-    while first < len(power):
-        last = max(first + _NEIGHBOURS, round(_WIDER * first))
-        smooth[first:last] = np.median(power[first:last]) / np.log(2.0)
-        first = last
-    half = np.sqrt(0.5 * smooth)
-    drawn = half * (rng.standard_normal(len(power)) + 1j * rng.standard_normal(len(power)))
-    return np.fft.irfft(drawn, len(residual))
+    return WANDER * float(np.sqrt(min(1.0, 2.0 * WANDER_TIME / duration)))

@@ -5,17 +5,20 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.controllers import Proportional
+from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
-from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, run_observer
-from pneuservo.diagnosis.noise import coloured, wander
+from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
+from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
-from pneuservo.simulation import InitialState, simulate
+from pneuservo.simulation import InitialState, Simulation, simulate
 
 _STEP = 1e-4
 """Integration step [s]."""
+_GAIN = 0.2
+"""Of the controller that keeps to the path; more bends the command between two samples [V/V]."""
 _UNLIMITED = 1e6
 """Level of the controller: the valve driver limits the command [V]."""
 
@@ -57,16 +60,14 @@ def imitated(
     """
     supply, source = fed.supply, np.empty(0)
     if supply is not None:
-        left = run_observer(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)[-1]
-        # Nothing follows the supply's own drift, as the observer does the zeros of the others.
-        source = fed.supply_reading - left + coloured(left, rng)
+        source = supply_to_be_read(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)
         # The chambers are driven by what was measured.
         others = {k: v for k, v in rig.effects.items() if not k.startswith("supply.")}
         rig = replace(rig, effects=others)
         if not others:
             # Its ripple makes no difference to what is pretended, and costs a compiled engine.
             rig, supply = rig.with_values({"supply.pressure": float(np.mean(supply))}), None
-    controller = Proportional(level=_UNLIMITED)
+    controller = Proportional(gain=_GAIN, level=_UNLIMITED)
     law = controller.law(rig)
     run = simulate(
         rig,
@@ -78,14 +79,10 @@ def imitated(
         initial=_start(fed, rig),
         largest_step=_STEP,
     )
-    channels = {"valve_voltage": run["valve_voltage"]}
+    channels = {"valve_voltage": _as_sampled(fed.ramped, run, law.gain * law.weight_displacement)}
     for name in fed.noise:
-        drift = wander(fed.time, rng)
-        if name in FOLLOWED:
-            noise = rng.standard_normal(len(fed.time)) + drift
-            channels[name] = run[name] + fed.noise[name] * noise
-        else:
-            channels[name] = source + fed.noise[name] * drift
+        noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
+        channels[name] = (run[name] if name in FOLLOWED else source) + fed.noise[name] * noise
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
     copy = with_pressures(replace(copy, supply=fed.supply, force=fed.force), rig)
     motion = copy.motion.copy()
@@ -100,6 +97,19 @@ def imitated(
         supply_reading=copy.supply_reading,
         done=Recent(),
     )
+
+
+def _as_sampled(ramped: bool, run: Simulation, gain: float) -> Array:
+    """Return the command as a recording that is read in this way has it [V].
+
+    Between two samples the demand is held and the displacement goes on, so that the command runs
+    away from where it was sampled; what is recorded has to mean the same.
+    """
+    moved = np.diff(run["displacement"], append=run["displacement"][-1])
+    mean: Array = run["valve_voltage"] - 0.5 * gain * moved
+    if ramped:
+        mean = 0.5 * (mean + np.append(mean[:1], mean[:-1]))
+    return mean
 
 
 def _start(fed: Feed, rig: Rig) -> InitialState:

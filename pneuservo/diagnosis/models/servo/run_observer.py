@@ -7,7 +7,7 @@ from pneuservo.diagnosis.models.servo.charging import charging_flow
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.observer import observe
-from pneuservo.diagnosis.models.servo.supply import expected_supply
+from pneuservo.diagnosis.models.servo.supply import beyond_wander, expected_supply
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
@@ -110,18 +110,36 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     A measured supply pressure drives the chambers as it is: what the supply does shows in its
     own channel alone.
     """
-    plant, effects = numbers(values, rig)
-    left, _, _, drawn = _observe(
-        fed, values, (plant, effects), rig, fed.gains, fed.shares, learning=False
-    )
+    known = numbers(values, rig)
+    left, _, _, drawn = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
     left = np.clip(np.nan_to_num(left, nan=np.inf), -farthest, farthest)
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
-        level = values.get(SUPPLY_LEVEL, float(np.mean(fed.supply)))
-        expected = expected_supply(fed.time, level, drawn, plant, effects.supply)
-        beyond = np.nan_to_num(fed.supply_reading - expected)
+        expected = _expected_supply(fed, values, known, drawn)
+        beyond = np.nan_to_num(beyond_wander(fed.time, fed.supply_reading - expected))
     return np.vstack([left, beyond])
+
+
+def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
+    """Return what a transducer at the valve's supply port should read [Pa].
+
+    Parameters
+    ----------
+    fed, values, rig
+        As in `run_observer`, of a recording in which the supply was measured.
+    """
+    known = numbers(values, rig)
+    *_, drawn = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    return _expected_supply(fed, values, known, drawn)
+
+
+def _expected_supply(
+    fed: Feed, values: Values, known: tuple[SingleAxis, ServoEffects], drawn: Array
+) -> Array:
+    plant, effects = known
+    level = values.get(SUPPLY_LEVEL, float(np.nanmean(fed.supply_reading)))
+    return expected_supply(fed.time, level, drawn, plant, effects.supply)
 
 
 def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
