@@ -152,28 +152,3 @@ def wander(time: Array, rng: np.random.Generator) -> Array:
     start = pole * WANDER * rng.standard_normal()
     made, _ = lfilter([step], [1.0, -pole], rng.standard_normal(len(time)), zi=[start])
     return np.asarray(made)
-
-
-def mean_wander(duration: float) -> float:
-    """Return how far the mean of a wandering zero lies from where it is as a rule.
-
-    Parameters
-    ----------
-    duration : float
-        Of the recording [s].
-
-    Returns
-    -------
-    float
-        Standard deviation, in units of the transducer's white noise [-].
-
-    Notes
-    -----
-    Of a first-order drift seen for much longer than its time; never more than all of it.
-
-    Examples
-    --------
-    >>> round(mean_wander(10.0), 2)
-    0.11
-    """
-    return WANDER * float(np.sqrt(min(1.0, 2.0 * WANDER_TIME / duration)))

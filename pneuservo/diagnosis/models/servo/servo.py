@@ -29,7 +29,6 @@ from pneuservo.diagnosis.models.servo.run_observer import (
 )
 from pneuservo.diagnosis.models.servo.supply import strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
-from pneuservo.diagnosis.noise import mean_wander
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
@@ -164,17 +163,16 @@ class ServoModel(Model):
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return what differs from recording to recording though the rig is the same.
 
-        The force that the wandering zeros of the pressure transducers pretend on average, the speed
-        over which friction turns round, for the velocity is smoothed and real friction gives way by
-        some micrometres before it slips, and the pressure of a source that was measured. What a
-        filter starts from is forgotten.
+        The force that the drifting zeros of the pressure transducers pretend, as large as their
+        noise, and the speed over which friction turns round: the velocity is smoothed, and real
+        friction gives way by some micrometres before it slips; and the pressure of a source that
+        was measured. What a filter starts from is forgotten.
         """
         fed: Feed = case.inputs["feed"]
         found: list[Unknown] = []
         if case.channel == "displacement" and "nuisances" not in self.without:
             if fed.spread_of_force:
-                zero = fed.spread_of_force * mean_wander(float(fed.time[-1] - fed.time[0]))
-                found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, zero, "N"))
+                found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
             found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
         if case.inputs["leads"] and fed.supply is not None:
             level = float(np.mean(fed.supply))
