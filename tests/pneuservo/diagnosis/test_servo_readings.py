@@ -92,7 +92,7 @@ def test_a_measured_supply_is_held_against_source_and_line(rig):
     assert dip > 5.0
     plain, sagging = (by_channel(model, cases, {**v, **source}) for v in ({}, sag))
     # What of the dip is slow may be the zero of the transducer.
-    assert np.std(plain["supply_pressure"]) > 0.5 * dip
+    assert np.std(plain["supply_pressure"]) > 0.75 * dip
     assert np.std(sagging["supply_pressure"]) == pytest.approx(1.0, abs=0.1)
     # The chambers are driven by what was measured, whatever the supply is said to do.
     assert np.array_equal(plain["pressure_a"], sagging["pressure_a"])

@@ -117,7 +117,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
-        beyond = np.nan_to_num(beyond_wander(fed.time, fed.supply_reading - expected))
+        beyond = beyond_wander(fed.time, fed.supply_reading - expected)
     return np.vstack([left, beyond])
 
 
