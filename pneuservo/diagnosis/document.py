@@ -238,7 +238,7 @@ def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
         "effect": "unexplained",
         "block": found.table.block,
         "statement": (
-            f"Nothing in the catalogue explains what is left; it acts like a {found.shape}. "
+            f"Nothing in the catalogue explains what is left. Its shape: {found.shape}. "
             "The repaired model holds it as a table."
         ),
         "equation": f"{found.table.effect} = table({found.table.quantity})",

@@ -1,7 +1,7 @@
 """What a hypothesis fitted to recordings is: its values, what they leave, and how sure they are."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -136,6 +136,27 @@ class Fit:
         ]
         return shared, own
 
+    def stepped(self, step: Array) -> "Fit":
+        """Return the fit with its values after a step; what it leaves is still that of before.
+
+        Parameters
+        ----------
+        step : (m,) array
+            As for `moved`.
+        """
+        low, high = self.bounds
+        vector = np.clip(self.vector + step, low, high)
+        shared, own = self.moved(step)
+        distance = self.distance + self.sensitivity[self.samples :] @ (vector - self.vector)
+        return replace(
+            self,
+            shared=shared,
+            own=tuple(own),
+            vector=vector,
+            distance=distance,
+            penalty=float(np.sum(distance**2)),
+        )
+
     @property
     def jacobian(self) -> Array:
         """Return the sensitivity of the weighted residuals alone."""
@@ -159,6 +180,20 @@ class Fit:
             ]
         )
 
+    def in_weights(self, scale: Mapping[str, float]) -> "Fit":
+        """Return this fit with its residuals counted in other units.
+
+        Parameters
+        ----------
+        scale : mapping of str to float
+            What one residual of each channel counts as one standard deviation.
+        """
+        rows = self.row_scale()
+        other = replace(self, scale=scale)
+        sensitivity = self.sensitivity.copy()
+        sensitivity[: self.samples] *= (rows / other.row_scale())[:, np.newaxis]
+        return replace(other, sensitivity=sensitivity)
+
     @cached_property
     def absorbed(self) -> Array:
         """Return an orthonormal basis of what a refit absorbs, rows as those of `sensitivity`."""
@@ -180,7 +215,7 @@ class Fit:
         whole = np.concatenate([columns, np.zeros((len(self.distance), *columns.shape[1:]))])
         return np.asarray(whole - self.absorbed @ (self.absorbed.T @ whole))
 
-    def loosened(self, parameter: str, left: Array, basis: Array | None = None) -> float:
+    def loosened(self, parameter: str, left: Array) -> float:
         """Return what forgetting the tolerance of a parameter would gain: one row less to fit.
 
         Parameters
@@ -189,13 +224,11 @@ class Fit:
             Its id.
         left : (n + t,) array
             Weighted residuals beyond a refit; see `beyond_refit`.
-        basis : (n + t, m) array, optional
-            Of what a refit absorbs, in other weights.
         """
         if parameter not in self.tolerated:
             return 0.0
         row = self.samples + self.tolerated.index(parameter)
-        leverage = float(np.sum((self.absorbed if basis is None else basis)[row] ** 2))
+        leverage = float(np.sum(self.absorbed[row] ** 2))
         return float(left[row] ** 2) / max(1.0 - leverage, 1e-9)
 
     @property

@@ -1,6 +1,6 @@
 """Output-error fits: the whole model is simulated and compared with what was measured."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -113,14 +113,29 @@ def _hopeless(problem: Problem, vector: Array, near: Fit) -> bool:
 
 
 def _scales(problem: Problem, vector: Array) -> dict[str, float]:
-    """Return what one residual of each channel counts as one standard deviation."""
-    residuals, scales = problem.residuals(vector), {}
-    for channel in dict.fromkeys(problem.channels):
-        parts = [r for r, c in zip(residuals, problem.channels, strict=True) if c == channel]
+    finest = {channel: problem.resolution(channel) for channel in problem.channels}
+    return channel_scales(problem.channels, problem.residuals(vector), finest)
+
+
+def channel_scales(
+    channels: Sequence[str], residuals: Sequence[Array], finest: Mapping[str, float]
+) -> dict[str, float]:
+    """Return what one residual of each channel counts as one standard deviation.
+
+    Parameters
+    ----------
+    channels : sequence of str
+        Channel of each residual.
+    residuals : sequence of array
+        Measured minus modelled.
+    finest : mapping of str to float
+        Residual below which the fit of a channel is perfect.
+    """
+    scales = {}
+    for channel in dict.fromkeys(channels):
+        parts = [r for r, c in zip(residuals, channels, strict=True) if c == channel]
         size, worth = sum(len(r) for r in parts), sum(effective_samples(r) for r in parts)
-        scales[channel] = max(rms(parts), problem.resolution(channel)) * float(
-            np.sqrt(size / worth)
-        )
+        scales[channel] = max(rms(parts), finest[channel]) * float(np.sqrt(size / worth))
     return scales
 
 

@@ -73,7 +73,7 @@ class Pretence:
     ):
         self._model, self._cases, self._baseline = model, cases, baseline
         self._progress, self._seed, self._jobs = progress, seed, jobs
-        self._copies: dict[Hypothesis, list[Array]] = {}
+        self._imitations: dict[Hypothesis, list[list[Array]]] = {}
         self._visible: dict[Hypothesis, dict[str, Visibility]] = {}
 
     @cached_property
@@ -95,21 +95,20 @@ class Pretence:
         list of (n + t,) array
             Weighted residuals of each copy beyond a refit; see `Fit.beyond_refit`.
         """
-        if fitted.hypothesis not in self._copies:
+        if fitted.hypothesis not in self._imitations:
             self._progress("imitating the recordings with what has been found")
             values = values_in_each(self._cases, self._cases[0], fitted.shared, fitted.own)
-            self._copies[fitted.hypothesis] = [
-                self._imitated(fitted, values, np.random.default_rng((self._seed, draw)))
+            self._imitations[fitted.hypothesis] = [
+                self._imitated(values, np.random.default_rng((self._seed, draw)))
                 for draw in range(IMITATIONS)
             ]
-        return self._copies[fitted.hypothesis]
+        return [
+            fitted.beyond_refit(fitted.weigh(left)) for left in self._imitations[fitted.hypothesis]
+        ]
 
-    def _imitated(
-        self, fitted: Fit, values: list[dict[str, float]], rng: np.random.Generator
-    ) -> Array:
+    def _imitated(self, values: list[dict[str, float]], rng: np.random.Generator) -> list[Array]:
         copies = self._model.imitate(self._cases, values, rng)
-        left = residuals_of(self._model, copies, values)
-        return fitted.beyond_refit(fitted.weigh([np.nan_to_num(part) for part in left]))
+        return [np.nan_to_num(left) for left in residuals_of(self._model, copies, values)]
 
     def visible(self, beside: Fit) -> dict[str, Visibility]:
         """Return how each effect would show in the recordings, by effect id.
@@ -158,9 +157,8 @@ class Pretence:
 
 
 def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:
-    basis, scale = base.absorbed, base.row_scale()
-    first = weighted(base, scale, variants[0][:, :1])[:, 0]
-    rest = first - basis @ (basis.T @ first)
-    spans = spans_beyond(base, scale, variants, basis)
+    first = weighted(base, variants[0][:, :1])[:, 0]
+    rest = first - base.absorbed @ (base.absorbed.T @ first)
+    spans = spans_beyond(base, variants)
     pretended = max((most_gained(spans, left) for left in imitations), default=0.0)
     return Visibility(float(np.linalg.norm(first)), float(np.linalg.norm(rest)), pretended)

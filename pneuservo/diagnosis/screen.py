@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, orthonormal
+from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.signatures import Signatures, most_gained, spans_beyond
@@ -17,6 +17,8 @@ PARAMETERS_WORTH_FITTING = 2
 LEAST_PROMISE = LEAST_GAIN / 3.0
 """Gain that an effect's signature has to promise: in 150 fits of development cases no effect gained
 more than 2.8 times what it had promised."""
+MOST_OVER_PROMISE = 3.0
+"""No candidate gains more than so many times what it promised; see `LEAST_PROMISE`."""
 SMOOTH = 0.1
 """A misfit worth fewer than this share of its samples is looked into without any promise."""
 
@@ -27,8 +29,8 @@ def promising(
     names: Sequence[str],
     keep: Sequence[str] = (),
     one_sided: Collection[str] = (),
-) -> list[str]:
-    """Return the candidates that a fit is worth trying with, in the order given.
+) -> dict[str, float]:
+    """Return the candidates that a fit is worth trying with, in the order given, and their promise.
 
     Parameters
     ----------
@@ -45,8 +47,9 @@ def promising(
 
     Returns
     -------
-    list of str
-        At most `WORTH_FITTING`, and those to keep; none that promises too little to earn its place.
+    dict of str to float
+        At most `WORTH_FITTING` effects, and those to keep; none that promises too little to earn
+        its place. Of each the larger of both scores.
 
     Notes
     -----
@@ -55,13 +58,9 @@ def promising(
     the weights of the fit, the others in those of the noise alone, in which a channel that an
     effect has made to look noisy counts fully.
     """
-    noise = np.ones(base.samples)
-    weights = (
-        (base.row_scale(), base.absorbed),
-        (noise, orthonormal(_rescaled(base, noise))),
-    )
+    in_noise = base.in_weights(dict.fromkeys(base.scale, 1.0))
     as_fitted, as_noise = (
-        _scores(base, scale, basis, signatures, names, one_sided) for scale, basis in weights
+        _scores(weighed, signatures, names, one_sided) for weighed in (base, in_noise)
     )
     worth = sorted(
         (n for n in names if max(as_fitted[n], as_noise[n]) > _least_promise(n, base)),
@@ -76,7 +75,7 @@ def promising(
             break
         best.add(name)
     best.update(parameters[:PARAMETERS_WORTH_FITTING])
-    return [name for name in names if name in best]
+    return {name: max(as_fitted[name], as_noise[name]) for name in names if name in best}
 
 
 def _least_promise(name: str, base: Fit) -> float:
@@ -88,33 +87,21 @@ def _least_promise(name: str, base: Fit) -> float:
 
 
 def _scores(
-    base: Fit,
-    scale: Array,
-    basis: Array,
-    signatures: Signatures,
-    names: Sequence[str],
-    one_sided: Collection[str],
+    base: Fit, signatures: Signatures, names: Sequence[str], one_sided: Collection[str]
 ) -> dict[str, float]:
-    left = np.concatenate([np.concatenate(base.residuals) / scale, base.distance])
-    left = left - basis @ (basis.T @ left)
+    left = np.concatenate([base.weighted, base.distance])
+    left = left - base.absorbed @ (base.absorbed.T @ left)
     score = {}
     for name in names:
         if name in signatures:
             counts = partial(_adds, left=left) if name in one_sided else None
-            spans = spans_beyond(base, scale, signatures[name], basis, counts)
+            spans = spans_beyond(base, signatures[name], counts)
             score[name] = most_gained(spans, left)
         else:
-            score[name] = base.loosened(name.removeprefix("param."), left, basis)
+            score[name] = base.loosened(name.removeprefix("param."), left)
     return score
 
 
 def _adds(rest: Array, left: Array) -> bool:
     """Return whether more of an effect, not less than none, is what is missing."""
     return bool(rest[:, 0] @ left > 0.0 or np.linalg.lstsq(rest, left, rcond=None)[0][0] > 0.0)
-
-
-def _rescaled(base: Fit, scale: Array) -> Array:
-    """Return the sensitivity of a fit with its residuals counted in other units."""
-    sensitivity = base.sensitivity.copy()
-    sensitivity[: base.samples] *= (base.row_scale() / scale)[:, np.newaxis]
-    return sensitivity

@@ -1,6 +1,7 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -27,12 +28,14 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.noise import noise_floor, resolution
 from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
-from pneuservo.diagnosis.screen import promising
+from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promising
 from pneuservo.diagnosis.side_by_side import side_by_side
 
 SUREST = 0.99
 """Largest probability that is claimed: the catalogue never holds everything."""
 MOST_EFFECTS = 3
+FITTED_FIRST = 2
+"""So many candidates are fitted before the others are asked whether they can still catch up."""
 
 
 @dataclass
@@ -76,7 +79,9 @@ class Search:
     ledger: list[Step] = field(default_factory=list)
     interrupted: bool = False
     over_chance: dict[str, float] = field(default_factory=dict)
-    _promising: dict[Any, list[str]] = field(default_factory=dict)
+    _promising: dict[Any, dict[str, float]] = field(default_factory=dict)
+    _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
+    """Candidates beside which the fit ended worse than without them."""
 
     @property
     def baseline(self) -> Fit:
@@ -109,18 +114,32 @@ class Search:
         """Return what the method itself pretends, for a model whose sensitivities are steady."""
         return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed, self.jobs)
 
-    def _worth_fitting(
+    def _promises(
         self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
-    ) -> Sequence[str]:
-        """Return the candidates to be fitted beside a base: where there are many, the promising."""
+    ) -> Mapping[str, float]:
+        """Return what the candidates that are worth a fit beside a base promise to explain.
+
+        Where sensitivities are not steady nothing is known beforehand, and all are worth it.
+        """
         if not self.model.steady:
-            return names
+            return dict.fromkeys(names, math.inf)
         asked = (base.hypothesis, tuple(names), tuple(keep))
         if asked not in self._promising:
             self._promising[asked] = promising(
                 base, self.pretence.signatures, names, keep, self._one_sided
             )
-        return self._promising[asked]
+        found = self._promising[asked]
+        return {
+            name: promise
+            for name, promise in found.items()
+            if name in keep or not self._is_hopeless(name, base)
+        }
+
+    def _is_hopeless(self, name: str, base: Fit) -> bool:
+        """Return whether a candidate has made worse what a base began with."""
+        return any(
+            tried.effects <= base.hypothesis.effects for tried in self._hopeless.get(name, [])
+        )
 
     @cached_property
     def _one_sided(self) -> frozenset[str]:
@@ -159,7 +178,24 @@ class Search:
 
         # Other models share what they simulate with, and would only wait for each other.
         jobs = self.jobs if self.model.steady else 1
-        return dict(zip(names, side_by_side(add, names, jobs), strict=True))
+        found = dict(zip(names, side_by_side(add, names, jobs), strict=True))
+        for name, closer in found.items():
+            if self.model.steady and explained(base, closer) < -DECISIVE:
+                self._hopeless.setdefault(name, []).append(base.hypothesis)
+        return found
+
+    def _best_fitted(self, base: Fit, promises: Mapping[str, float]) -> dict[str, Fit]:
+        """Return the fits of a base with each candidate that may still turn out the best.
+
+        What has promised most is fitted first; the others have to promise enough to reach it.
+        """
+        ranked = sorted(promises, key=promises.__getitem__, reverse=True)
+        first = ranked if not self.model.steady else ranked[:FITTED_FIRST]
+        found = self._fitted_with(base, first)
+        best = max((explained(base, closer) for closer in found.values()), default=0.0)
+        near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > best]
+        found |= self._fitted_with(base, near)
+        return {name: found[name] for name in promises if name in found}
 
     def run(self) -> None:
         """Search, and keep what has been found when the user interrupts it.
@@ -258,7 +294,9 @@ class Search:
         if self.interrupted:
             return self._in_place_of_so_far(kept)
         rest = self.fitted(self._with(kept))
-        names = self._worth_fitting(rest, self._compatible(kept), keep=(member,))
+        promises = self._promises(rest, self._compatible(kept), keep=(member,))
+        needed = explained(rest, self.chosen) / MOST_OVER_PROMISE
+        names = [n for n, promise in promises.items() if n == member or promise > needed]
         return rest, self._fitted_with(rest, names)
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
@@ -368,8 +406,7 @@ class Search:
         """
         alone = self.ledger[-1].candidate
         first = self.fitted(self._with([alone]))
-        names = self._worth_fitting(first, self._compatible([alone]))
-        tried = self._fitted_with(first, names)
+        tried = self._fitted_with(first, list(self._promises(first, self._compatible([alone]))))
         if not tried:
             return None
         name = min(tried, key=lambda candidate: tried[candidate].rms)
@@ -383,8 +420,7 @@ class Search:
 
     def _best_addition(self) -> str | None:
         current = self.chosen
-        names = self._worth_fitting(current, self._compatible(self.accepted))
-        tried = self._fitted_with(current, names)
+        tried = self._best_fitted(current, self._promises(current, self._compatible(self.accepted)))
         if not tried:
             return None
         effective = min(tried.values(), key=lambda f: f.rms).effective

@@ -45,15 +45,13 @@ def signatures_of(
     return {effect.id: variants for effect, variants in zip(effects, found, strict=True)}
 
 
-def weighted(base: Fit, scale: Array, columns: Array) -> Array:
+def weighted(base: Fit, columns: Array) -> Array:
     """Return columns counted in the spread of the residuals; tolerated values stay as they are.
 
     Parameters
     ----------
     base : Fit
         What they are changes of.
-    scale : (n,) array
-        What each residual counts as one.
     columns : (n, k) array
         Changes of all residuals.
 
@@ -63,32 +61,26 @@ def weighted(base: Fit, scale: Array, columns: Array) -> Array:
         Rows as those of the fit's `sensitivity`.
     """
     rows = np.zeros((len(base.distance), columns.shape[1]))
-    return np.vstack([columns / scale[:, np.newaxis], rows])
+    return np.vstack([columns / base.row_scale()[:, np.newaxis], rows])
 
 
 def spans_beyond(
-    base: Fit,
-    scale: Array,
-    variants: Sequence[Array],
-    basis: Array,
-    counts: Callable[[Array], bool] | None = None,
+    base: Fit, variants: Sequence[Array], counts: Callable[[Array], bool] | None = None
 ) -> list[Array]:
     """Return orthonormal bases of what of a signature a refit does not absorb.
 
     Parameters
     ----------
-    base, scale
-        As for `weighted`.
+    base : Fit
+        What it would be added to; its weights count.
     variants : sequence of (n, k) array
         One signature from several starts.
-    basis : (n + t, m) array
-        Of what a refit absorbs.
     counts : callable, optional
         Takes what a refit leaves of a variant, and returns whether the variant is to be counted.
     """
-    spans = []
+    spans, basis = [], base.absorbed
     for variant in variants:
-        columns = weighted(base, scale, variant)
+        columns = weighted(base, variant)
         rest = columns - basis @ (basis.T @ columns)
         if counts is not None and not counts(rest):
             continue

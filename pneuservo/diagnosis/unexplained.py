@@ -5,19 +5,33 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
+from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, orthonormal, rms
+from pneuservo.diagnosis.fitting import channel_scales
 from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table
 from pneuservo.diagnosis.problem import residuals_of, values_in_each
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.diagnosis.signatures import most_gained
 
-LEAST_GAIN = 900.0
-"""Drop of the weighted sum of squares that a table has to bring: a table has more freedom than an
-effect; in two of 18 pairs of quiet recordings without any effect the best reached 232 and 700."""
-INSTEAD = 1.3
+Copies = Callable[[Fit], Sequence[Array]]
+"""Takes a fit and returns what it leaves of recordings that its own rig has made, beyond a refit,
+in its weights."""
+
+INSTEAD = 1.1
 """A table that explains so many times what the named effects do, in their place, leaves nothing of
 the names."""
+WORTH_FITTING = 3
+"""So many tables, those that promise most, are fitted ..."""
+LEAST_PROMISE = 0.2
+"""... of those that promise this share of what they have to bring: a misfit counts as noise until
+it is explained."""
+PLAIN = 0.05
+"""What a bend between knots, and what all have in common, counts, in what a knot shows: knots of
+which nothing shows are laid on a straight line, others hardly move."""
+_PASSES = 2
+_SHARES = (1.0, 0.5, 0.2)
+"""Of a step, where all of it may be too much."""
 TURN = 0.2
 """Share of its size that a curve has to go back to count as turning."""
 WORTH_SAYING = 0.1
@@ -135,7 +149,7 @@ def find_unexplained(
     tables: Sequence[Table],
     baseline: Fit,
     chosen: Fit,
-    copies: Callable[[Fit], Sequence[Array]],
+    copies: Copies,
     jobs: int = 1,
 ) -> Unexplained | None:
     """Return the table that explains what a model leaves, where it earns its place.
@@ -149,8 +163,7 @@ def find_unexplained(
     baseline, chosen : Fit
         The re-fitted baseline, and the model with everything that was named.
     copies : callable
-        Takes a fit and returns what it leaves of recordings that its own rig has made, beyond a
-        refit.
+        See `Copies`.
     jobs : int, optional
         So many tables at a time.
 
@@ -166,15 +179,17 @@ def find_unexplained(
     against imitations of the recordings like any named effect. Only where something is left beside
     the names a table may do better in their place.
     """
-    beside = _best(model, cases, tables, chosen, copies(chosen), jobs)
+    beside = _best(model, cases, tables, chosen, copies, jobs)
     if beside is None or not chosen.hypothesis.effects:
         return beside
     named = explained(baseline, chosen)
     if beside.gain < WORTH_SAYING * (beside.gain + named):
         return None
-    instead = _best(model, cases, tables, baseline, copies(baseline), jobs)
-    if instead is not None and instead.gain > INSTEAD * named:
-        return replace(instead, instead=True)
+    instead = _best(model, cases, tables, baseline, copies, jobs)
+    if instead is not None:
+        by_names = explained(baseline, chosen, instead.fit)
+        if instead.gain > INSTEAD * by_names:
+            return replace(instead, instead=True)
     return replace(beside, named_gain=named)
 
 
@@ -183,70 +198,117 @@ def _best(
     cases: Sequence[Case],
     tables: Sequence[Table],
     base: Fit,
-    copies: Sequence[Array],
+    copies: Copies,
     jobs: int,
 ) -> Unexplained | None:
+    """Return the table that explains most of what a fit leaves, of those that earn their place."""
     left = base.beyond_refit(base.weighted)
-    best: tuple[float, Table, Array, Array] | None = None
+    promise: list[tuple[float, Table, Array]] = []
     changes = side_by_side(lambda table: _changes(model, cases, base, table), tables, jobs)
     for table, columns in zip(tables, changes, strict=True):
-        seen = np.linalg.norm(columns, axis=0) > 1e-6
-        if not seen.any():
-            continue
-        span = np.linalg.qr(columns[:, seen])[0]
-        gain = float(np.sum((span.T @ left) ** 2))
-        pretended = max((float(np.sum((span.T @ copy) ** 2)) for copy in copies), default=0.0)
-        if gain <= max(LEAST_GAIN, OVER_IMITATIONS * pretended, best[0] if best else 0.0):
-            continue
-        steps = np.asarray(np.linalg.lstsq(columns, left, rcond=1e-6)[0], dtype=np.float64)
-        if float(np.std(table.step * steps)) > table.least:
-            best = gain, table, columns, steps
-    return None if best is None else _fitted(model, cases, base, *best)
+        rest = base.beyond_refit(columns / base.row_scale()[:, np.newaxis])
+        seen = np.linalg.norm(rest, axis=0) > 1e-6
+        if seen.any():
+            promise.append((most_gained([orthonormal(rest[:, seen])], left), table, columns))
+    promise.sort(key=lambda each: each[0], reverse=True)
+    fitted = [
+        _fitted(model, cases, base, table, columns, copies)
+        for gain, table, columns in promise[:WORTH_FITTING]
+        if gain > LEAST_PROMISE * table.least_gain
+    ]
+    worth = [found for found in fitted if found is not None]
+    return max(worth, key=lambda found: found.gain, default=None)
 
 
 def _changes(model: Model, cases: Sequence[Case], base: Fit, table: Table) -> Array:
-    """Return what a step of each knot changes in the weighted residuals beyond a refit."""
-    changes, here = [], base.weighted
+    """Return what a step of each knot changes in the residuals [unit of the cases]."""
+    here = np.concatenate(base.residuals)
+    changes = []
     for knot in table.knots:
         there = {**base.shared, **table.values, knot: table.step}
         values = values_in_each(cases, cases[0], there, base.own)
-        changes.append(here - base.weigh(residuals_of(model, cases, values)))
-    return base.beyond_refit(np.column_stack(changes))
+        changes.append(here - np.concatenate(residuals_of(model, cases, values)))
+    return np.column_stack(changes)
 
 
 def _fitted(
-    model: Model,
-    cases: Sequence[Case],
-    base: Fit,
-    gain: float,
-    table: Table,
-    columns: Array,
-    steps: Array,
-) -> Unexplained:
-    """Return the table with its knots fitted together with what the parameters do about it."""
+    model: Model, cases: Sequence[Case], base: Fit, table: Table, columns: Array, copies: Copies
+) -> Unexplained | None:
+    """Return a table fitted together with what the parameters do about it, if it is worth it.
+
+    The misfit that it removes had passed for noise: the second time what it leaves is the measure.
+    """
+    found, steps = base, np.zeros(len(table.knots))
+    for _ in range(_PASSES):
+        weighed = base.in_weights(found.scale)
+        whole = _steps(weighed, columns)
+        found, share = _with_table(model, cases, weighed, table, whole, columns)
+        steps = share * whole
+    weighed = base.in_weights(found.scale)
+    gain = explained(weighed, found)
+    rest, plain = _rows(weighed, columns)
+    span = orthonormal(rest)
+    pretended = max((most_gained([span], copy) for copy in copies(weighed)), default=0.0)
+    if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
+        return None
+    values = table.step * steps
+    if float(np.std(values)) <= table.least:
+        return None
     # Of the shape alone: what all knots have in common the parameters may take up.
     shape = np.eye(len(steps)) - 1.0 / len(steps)
-    covariance = shape @ np.linalg.pinv(columns.T @ columns) @ shape
+    covariance = shape @ np.linalg.pinv(rest.T @ rest + plain.T @ plain) @ shape
     spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
-    heights = dict(zip(table.knots, (steps * table.step).tolist(), strict=True))
-    shared = {**base.shared, **table.values, **heights}
-    own = list(base.own)
-    residuals = residuals_of(model, cases, values_in_each(cases, cases[0], shared, own))
-    # What the parameters had made up for they no longer have to.
-    undone = np.concatenate([base.weigh(residuals), base.distance])
-    parameters, more = base.moved(np.linalg.lstsq(base.sensitivity, -undone, rcond=None)[0])
-    moved = {**shared, **parameters}
-    closer = residuals_of(model, cases, values_in_each(cases, cases[0], moved, more))
-    if np.sum(base.weigh(closer) ** 2) < np.sum(base.weigh(residuals) ** 2):
-        shared, own, residuals = moved, more, closer
-    found = replace(
-        base,
-        shared=shared,
-        own=tuple(own),
-        residuals=tuple(residuals),
-        rms=max(rms(residuals), *base.finest.values()),
-    )
     low, high = (table.values[key] for key in (table.low, table.high))
     knots = np.linspace(low, high, len(table.knots))
-    values = np.array(list(heights.values()))
     return Unexplained(table, knots, values, spread * table.step, gain, 0.0, found)
+
+
+def _rows(base: Fit, columns: Array) -> tuple[Array, Array]:
+    """Return what the knots change beyond a refit, and what keeps them plain.
+
+    Where nothing shows they run straight, and what they have in common is left to the parameters.
+    """
+    rest = base.beyond_refit(columns / base.row_scale()[:, np.newaxis])
+    knots = rest.shape[1]
+    plain = np.vstack([np.diff(np.eye(knots), 2, axis=0), np.full(knots, knots**-0.5)])
+    return rest, plain * PLAIN * float(np.median(np.linalg.norm(rest, axis=0)))
+
+
+def _steps(base: Fit, columns: Array) -> Array:
+    """Return the knots that explain most beyond a refit."""
+    rest, plain = _rows(base, columns)
+    left = np.concatenate([base.beyond_refit(base.weighted), np.zeros(len(plain))])
+    return np.asarray(np.linalg.lstsq(np.vstack([rest, plain]), left, rcond=1e-6)[0])
+
+
+def _with_table(
+    model: Model, cases: Sequence[Case], base: Fit, table: Table, steps: Array, columns: Array
+) -> tuple[Fit, float]:
+    """Return a fit with a table in it, and the share of the step that was good for it.
+
+    The parameters move to where they suit the table, all of the way or so far as it gets better.
+    """
+    undone = base.weighted - (columns @ steps) / base.row_scale()
+    follow = np.linalg.lstsq(
+        base.sensitivity, -np.concatenate([undone, base.distance]), rcond=None
+    )[0]
+    tried: list[tuple[float, Fit, float]] = []
+    for share in _SHARES:
+        heights = dict(zip(table.knots, (share * steps * table.step).tolist(), strict=True))
+        moved = base.stepped(share * follow)
+        shared = {**moved.shared, **table.values, **heights}
+        values = values_in_each(cases, cases[0], shared, moved.own)
+        residuals = residuals_of(model, cases, values)
+        cost = float(np.sum(base.weigh(residuals) ** 2)) + moved.penalty
+        found = replace(
+            moved,
+            shared=shared,
+            residuals=tuple(residuals),
+            rms=max(rms(residuals), *base.finest.values()),
+            scale=channel_scales(base.channels, residuals, base.finest),
+        )
+        if tried and cost > tried[-1][0]:
+            break
+        tried.append((cost, found, share))
+    _, found, share = min(tried, key=lambda each: each[0])
+    return found, share

@@ -52,5 +52,7 @@ def servo_effects(values: Mapping[str, float]) -> ServoEffects:
     for table in TABLES:
         block, _ = table.parameters[0].field.split(".")
         if block in changed:
-            require_table(getattr(effects, block)._asdict(), f"effect {table.id}")
+            filled = getattr(effects, block)._asdict()
+            values = {p.name: filled[p.field.partition(".")[2]] for p in table.parameters}
+            require_table(table, values, f"effect {table.id}")
     return effects

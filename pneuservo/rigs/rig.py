@@ -329,13 +329,13 @@ def _effects(table: dict[str, Any], kind: str, where: str) -> dict[str, dict[str
 
     entries = effects_of(kind, tables=True)
     known = {effect.id: [p.name for p in effect.parameters] for effect in entries}
-    tables = [table.id for table in TABLES]
+    tables = {table.id: table for table in TABLES}
     effects = {}
     for key, entry in table.items():
         require_known(key, known, f"{where} of a rig of kind {kind}")
         effects[key] = _effect(entry, known[key], f"{where} {key}")
         if key in tables:
-            require_table(effects[key], f"{where} {key}")
+            require_table(tables[key], effects[key], f"{where} {key}")
     return effects
 
 

@@ -14,6 +14,7 @@ from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.behavioural_card import run_servo_with_card
 from pneuservo.plant.servo.chain import heard
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
+from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
@@ -179,7 +180,8 @@ def state_behind(initial: InitialState, rig: Rig, plant: SingleAxis) -> InitialS
     InitialState
         Lags cannot be undone from one sample and are left.
     """
-    sensor = _without_lags(rig.effect_values).sensor
+    begun = drifted(Servo(plant, _without_lags(rig.effect_values), OPEN_LOOP), 0.0)
+    sensor = begun.effects.sensor
     moment = np.zeros(1)
     known: dict[str, float] = {}
     if initial.displacement is not None:

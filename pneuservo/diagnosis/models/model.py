@@ -68,6 +68,9 @@ class Table:
         A small value.
     least : float
         Spread of the values below which they are nothing.
+    least_gain : float
+        Drop of the weighted sum of squares that it has to bring: more than an effect, for it has
+        more freedom.
     """
 
     effect: str
@@ -82,6 +85,7 @@ class Table:
     knots: tuple[str, ...]
     step: float
     least: float
+    least_gain: float
 
 
 @dataclass(frozen=True)

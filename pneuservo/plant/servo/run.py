@@ -15,6 +15,7 @@ from pneuservo.plant.integrator import (
 from pneuservo.plant.piston import acceleration
 from pneuservo.plant.servo.chain import commanded_voltage, derivative, heard, surface
 from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled_whole
+from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.drive import given
 from pneuservo.plant.servo.events import margin, motion_at_start, settle
 from pneuservo.plant.servo.layout import (
@@ -302,15 +303,16 @@ def run_servo(inputs, initial_state, servo, grid, largest_step):
     modes, memory = np.zeros(3, np.int64), np.zeros(MEMORY)
     rows, drive = np.empty((PAST_ROWS, PAST_COLUMNS)), np.empty((2, INPUTS))
     write_drive(inputs, 0, 0.0, drive)
-    start(state, modes, memory, rows, drive, servo, grid)
+    start(state, modes, memory, rows, drive, drifted(servo, inputs[0, TIME]), grid)
     delayed = servo.effects.spool.delay > 0.0 or servo.effects.line.delay > 0.0
     for k in range(inputs.shape[0]):
         interval = inputs[min(k + 1, inputs.shape[0] - 1), TIME] - inputs[k, TIME]
         write_drive(inputs, k, interval, drive)
-        settle(state, modes, memory, rows, drive, 0.0, servo)
+        now = drifted(servo, inputs[k, TIME])
+        settle(state, modes, memory, rows, drive, 0.0, now)
         if delayed:
-            record(state, modes, memory, rows, drive, 0.0, servo, grid)
-        write_output(state, modes, memory, rows, drive, servo, grid, outputs[k])
+            record(state, modes, memory, rows, drive, 0.0, now, grid)
+        write_output(state, modes, memory, rows, drive, now, grid, outputs[k])
         steps = max(math.ceil(interval / largest_step - 1e-9), 1)
         if k + 1 == inputs.shape[0] or not math.isfinite(state[DISPLACEMENT] + state[PRESSURE_A]):
             outputs[k + 1 :] = math.nan
@@ -324,7 +326,7 @@ def run_servo(inputs, initial_state, servo, grid, largest_step):
                 memory,
                 rows,
                 drive,
-                servo,
+                now,
                 grid,
                 work,
                 result,

@@ -34,6 +34,8 @@ class ServoEffects(NamedTuple):
     """Into chamber a [kg/s]."""
     unexplained_flow_b: Table = Table()
     """Into chamber b [kg/s]."""
+    unexplained_drift: Table = Table()
+    """Of a parameter over time, a share of it [-]."""
 
 
 NEUTRAL = ServoEffects()

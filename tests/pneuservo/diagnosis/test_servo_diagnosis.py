@@ -4,6 +4,8 @@ The truth of the planted effects is that of `pneuservo.challenge`: other equatio
 the laws, another integrator.
 """
 
+import dataclasses
+
 import numpy as np
 import pytest
 from servo_recordings import NOISE, recorded
@@ -93,3 +95,27 @@ def test_a_planted_effect_is_named_and_put_in_its_block(effect, blocks, tmp_path
     )
     assert after < before
     assert first["effect"] in repaired_model(found)["effects"]
+
+
+@pytest.mark.parametrize(
+    ("of", "block", "largest"),
+    [(0, "load", 0.3), (2, "valve.flow", -0.2)],
+    ids=["mass", "exhaust edges"],
+)
+def test_a_parameter_that_drifts_is_unexplained_and_put_in_its_block(of, block, largest):
+    rig = load_rig("single-axis")
+    rising = {f"v{k}": largest * k / 8.0 for k in range(9)}
+    drift = {"of": float(of), "low": 0.0, "high": 4.0, **rising}
+    drifting = dataclasses.replace(rig, effects={"unexplained.drift": drift})
+    found = diagnose([recorded(drifting, Proportional(), 5)])
+    answer = document(found)
+    assert answer["verdict"] == "unexplained", found.search.accepted
+    assert answer["located"][0]["block"] == block
+    form = "growing" if largest > 0.0 else "falling"
+    assert f"({form})" in answer["missing"][0]["statement"]
+    # Parameters within their tolerances take up the level; the first knot shows nearly nothing.
+    fitted = answer["missing"][0]["parameters"]
+    late, early = (1.0 + fitted[knot]["value"] for knot in ("v7", "v1"))
+    expected = (1.0 + 7.0 / 8.0 * largest) / (1.0 + largest / 8.0)
+    assert late / early == pytest.approx(expected, abs=0.02)
+    assert repaired_model(found)["effects"]["unexplained.drift"]["of"]["value"] == of

@@ -24,6 +24,7 @@ from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.presliding import presliding_step
+from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.layout import (
     COMMAND,
     INPUTS,
@@ -145,8 +146,8 @@ def observe(
     drive, work = np.zeros((2, INPUTS)), np.zeros((3, len(state)))
     drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = voltage[0], supply[0], time[0]
     begin(state, modes, memory, rows, drive, servo, grid)
+    nominal, servo = servo, drifted(servo, time[0])
     plant, effects = servo.plant, servo.effects
-    mass = rigid_mass(plant.piston.mass, effects.load)
     piston, lag = plant.piston, effects.sensor.displacement_lag
     direction = friction_direction(true[0], true[1], reversal, effects.friction)
     behind = behind_the_rod(motion[0], held, effects.sensor.wiper_play)
@@ -180,8 +181,12 @@ def observe(
                 work,
             )
         before[:], after[:] = true[:, k], true[:, k + 1]
+        earlier, servo = effects.sensor.displacement_gain, drifted(nominal, time[k + 1])
+        plant, effects = servo.plant, servo.effects
+        piston, mass = plant.piston, rigid_mass(plant.piston.mass, effects.load)
+        rising = (effects.sensor.displacement_gain - earlier) / interval
         if not held[k]:
-            before[1] = (velocity + lag * lagged) / slope
+            before[1] = (velocity + lag * lagged - rising * true[0, k]) / slope
             after[1] = before[1] + interval * last
         free = effects.load.joint_share > 0.0 and not held[k]
         if free:

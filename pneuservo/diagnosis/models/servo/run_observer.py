@@ -11,6 +11,7 @@ from pneuservo.diagnosis.models.servo.supply import beyond_wander, expected_supp
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
+from pneuservo.plant.servo.drift import behind_drift
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state, step_for
@@ -72,7 +73,8 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
         [Pa].
     """
     sensor, stroke = effects.sensor, plant.piston.stroke
-    place, speed = true_motion(fed.motion[0], fed.motion[1], fed.motion[2], stroke, sensor)
+    motion = behind_drift(fed.time, fed.motion, effects.unexplained_drift)
+    place, speed = true_motion(motion[0], motion[1], motion[2], stroke, sensor)
     slope = 1.0 + sensor.displacement_gain
     flows: tuple[Array | None, Array | None] = (None, None)
     if sensor.static_share:
@@ -85,7 +87,7 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
     readings = fed.pressures + shift * fed.pressure_rates
     still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
     pressures = true_pressures(fed.time, readings[0], readings[1], *flows, plant.gas, still)
-    return np.array([place, speed, fed.motion[2] / slope]), np.array(pressures)
+    return np.array([place, speed, motion[2] / slope]), np.array(pressures)
 
 
 def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:

@@ -1,0 +1,145 @@
+"""A parameter of the rig that changes in the course of a recording, by a table over time."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.plant.piston import Piston
+from pneuservo.plant.servo.compilation import compiled, compiled_apart
+from pneuservo.plant.servo.layout import Servo
+from pneuservo.plant.servo.sensor_effects import SensorEffects
+from pneuservo.plant.servo.servo_effects import ServoEffects
+from pneuservo.plant.servo.unexplained_effects import Table, between_knots
+from pneuservo.plant.single_axis import SingleAxis
+from pneuservo.plant.valve import Valve
+
+DRIFTING = (
+    "moved mass",
+    "Coulomb friction",
+    "area of the exhaust edges",
+    "area of the supply edges",
+    "gain of the displacement transducer",
+)
+"""What may drift; `Table.over` of a drift is the place in this list."""
+MASS, COULOMB_FRICTION, EXHAUST_EDGES, SUPPLY_EDGES, DISPLACEMENT_GAIN = range(len(DRIFTING))
+
+
+@compiled
+def drifted(servo, time):
+    """Return the servo as it is at a moment.
+
+    Parameters
+    ----------
+    servo : Servo
+        The numbers of rig, effects and law.
+    time : float
+        Since the start of the run [s].
+    """
+    table = servo.effects.unexplained_drift
+    if table.high == table.low:
+        return servo
+    return _with_factor(servo, table.over, 1.0 + between_knots(time, table))
+
+
+@compiled_apart
+def _with_factor(servo, which, factor):
+    """Return the servo with one of its parameters multiplied."""
+    plant, effects = servo.plant, servo.effects
+    piston, valve, sensor = plant.piston, plant.valve, effects.sensor
+    moved = factor if which == MASS else 1.0
+    rubbing = factor if which == COULOMB_FRICTION else 1.0
+    out = factor if which == EXHAUST_EDGES else 1.0
+    into = factor if which == SUPPLY_EDGES else 1.0
+    read = factor if which == DISPLACEMENT_GAIN else 1.0
+    return Servo(
+        SingleAxis(
+            plant.supply_pressure,
+            plant.ambient_pressure,
+            plant.dead_volume_a,
+            plant.dead_volume_b,
+            plant.polytropic_index,
+            plant.gas,
+            Valve(
+                valve.full_voltage,
+                into * valve.area_s_a,
+                out * valve.area_b_e,
+                into * valve.area_s_b,
+                out * valve.area_a_e,
+                valve.spool_frequency,
+                valve.spool_damping,
+            ),
+            Piston(
+                piston.area_a,
+                piston.area_b,
+                piston.stroke,
+                moved * piston.mass,
+                piston.gravity,
+                piston.viscous_friction,
+                rubbing * piston.coulomb_friction,
+            ),
+        ),
+        ServoEffects(
+            effects.spool,
+            effects.valve,
+            effects.supply,
+            effects.line,
+            effects.chamber,
+            effects.leakage,
+            effects.friction,
+            effects.load,
+            effects.stop,
+            SensorEffects(
+                read * (1.0 + sensor.displacement_gain) - 1.0,
+                sensor.displacement_offset,
+                sensor.first_harmonic,
+                sensor.second_harmonic,
+                sensor.displacement_lag,
+                sensor.wiper_play,
+                sensor.displacement_step,
+                sensor.pressure_a_offset,
+                sensor.pressure_b_offset,
+                sensor.pressure_a_gain,
+                sensor.pressure_b_gain,
+                sensor.static_share,
+                sensor.pressure_lag,
+                sensor.pressure_step,
+                sensor.pressure_skew,
+                sensor.hum,
+                sensor.hum_frequency,
+                sensor.hum_phase,
+            ),
+            effects.unexplained_force,
+            effects.unexplained_flow_a,
+            effects.unexplained_flow_b,
+            effects.unexplained_drift,
+        ),
+        servo.law,
+        servo.displacement_range,
+    )
+
+
+def behind_drift(
+    time: NDArray[np.float64], motion: NDArray[np.float64], table: Table
+) -> NDArray[np.float64]:
+    """Return the motion that a transducer whose gain drifts has read.
+
+    Parameters
+    ----------
+    time : (n,) array
+        Since the start of the run [s].
+    motion : (3, n) array
+        Displacement, velocity and acceleration of the reading, SI.
+    table : Table
+        The drift.
+
+    Returns
+    -------
+    (3, n) array
+        What another drift leaves as it is. The gain's second derivative is left out.
+    """
+    if table.high == table.low or table.over != DISPLACEMENT_GAIN:
+        return motion
+    gain = 1.0 + np.array([between_knots(moment, table) for moment in time])
+    rising = np.gradient(gain, time)
+    place = motion[0] / gain
+    speed = (motion[1] - rising * place) / gain
+    return np.array([place, speed, (motion[2] - 2.0 * rising * speed) / gain])

@@ -1,0 +1,95 @@
+"""A parameter that drifts is that of the rig, and nothing while its table is empty or level."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pneuservo.effects.unexplained import DRIFT
+from pneuservo.errors import InputError
+from pneuservo.plant.servo.drift import DRIFTING, behind_drift
+from pneuservo.plant.servo.unexplained_effects import INTERVALS, Table
+from pneuservo.rigs import load_rig
+from pneuservo.simulation import InitialState, simulate
+
+RIG = load_rig("single-axis")
+TIME = np.arange(0.0, 0.3, 1e-3)
+COMMAND = 4.0 * np.sin(2.0 * np.pi * 5.0 * TIME)
+# Pressures at rest would follow the mass.
+START = InitialState(0.012, pressure_a=3e5, pressure_b=3.2e5)
+CHANNELS = ("displacement", "velocity", "pressure_a", "pressure_b", "spool")
+# Named, so that it runs in the kernel with effects.
+BASELINE = {"load.spring": {"stiffness": 0.0}}
+PARAMETERS = (
+    ("load.mass",),
+    ("piston.coulomb_friction",),
+    ("valve.flow.area_b_e", "valve.flow.area_a_e"),
+    ("valve.flow.area_s_a", "valve.flow.area_s_b"),
+)
+
+
+def drift(which, values, high=0.3):
+    return {"of": which, "low": 0.0, "high": high} | {f"v{k}": v for k, v in enumerate(values)}
+
+
+def run(effects, rig=RIG):
+    rig = dataclasses.replace(rig, effects=effects)
+    return simulate(rig, time=TIME, command=COMMAND, supply_pressure=6.5e5, initial=START)
+
+
+def assert_same(found, expected):
+    for name in CHANNELS:
+        span = np.ptp(expected[name])
+        assert np.abs(found[name] - expected[name]).max() <= 1e-9 * span, name
+
+
+@pytest.mark.parametrize("which", range(len(PARAMETERS)), ids=DRIFTING[: len(PARAMETERS)])
+def test_a_level_drift_is_a_parameter_of_another_value(which):
+    changed = RIG.with_values({name: 1.07 * RIG[name] for name in PARAMETERS[which]})
+    level = run({"unexplained.drift": drift(which, [0.07] * (INTERVALS + 1))})
+    expected = run(BASELINE, changed)
+    assert_same(level, expected)
+    # ... and it does something: more than the tolerance above, by far.
+    assert np.ptp(expected["displacement"] - run(BASELINE)["displacement"]) > 1e-6
+
+
+def test_a_level_drift_of_the_transducer_is_its_wrong_gain():
+    level = run({"unexplained.drift": drift(4, [0.01] * (INTERVALS + 1))})
+    assert_same(level, run({"sensor.position-gain": {"gain": 0.01}}))
+
+
+def test_a_drift_begins_where_the_parameter_still_has_its_value():
+    rising = np.linspace(0.0, 0.5, INTERVALS + 1)
+    drifting = run({"unexplained.drift": drift(2, rising)})
+    constant = run(BASELINE)
+    apart = np.abs(drifting["pressure_a"] - constant["pressure_a"])
+    early, late = apart[TIME < 0.02].max(), apart[TIME > 0.2].max()
+    assert early < 0.05 * late
+
+
+def test_what_a_drifting_transducer_read_is_undone():
+    time = np.linspace(0.0, 1.0, 2001)
+    place = 0.02 + 0.01 * np.sin(2.0 * np.pi * time)
+    # Straight over the whole time: the table's knots leave no corners in the gain.
+    gain = 1.0 + 0.04 * time
+    table = Table(4.0, 0.0, 1.0, *np.linspace(0.0, 0.04, INTERVALS + 1))
+    reading = gain * place
+    rate = np.gradient(reading, time)
+    found = behind_drift(time, np.array([reading, rate, np.gradient(rate, time)]), table)
+    inner = slice(3, -3)
+    speed = np.gradient(place, time)
+    assert np.abs(found[0] - place)[inner].max() < 1e-12
+    # Differences of second order in 0.5 ms: 1e-6 of 63 mm/s and of 0.39 m/s^2 a few times over.
+    assert np.abs(found[1] - speed)[inner].max() < 1e-6
+    assert np.abs(found[2] - np.gradient(speed, time))[inner].max() < 1e-4
+
+
+def test_other_drifts_leave_the_motion_as_it_was_read():
+    motion = np.ones((3, 4))
+    table = Table(0.0, 0.0, 1.0, *np.linspace(0.0, 0.5, INTERVALS + 1))
+    assert behind_drift(np.arange(4.0), motion, table) is motion
+
+
+def test_a_drift_of_nothing_that_is_known_is_refused():
+    with pytest.raises(InputError, match="of is 9; it has to be one of: 0 moved mass"):
+        run({DRIFT.id: drift(9, [0.1] * (INTERVALS + 1))})
