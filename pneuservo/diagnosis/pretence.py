@@ -11,6 +11,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import residuals_of, values_in_each
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import (
     Signatures,
     most_gained,
@@ -54,7 +55,7 @@ class Pretence:
     seed : int
         Seed of the noise of the imitations.
     jobs : int, optional
-        So many effects at a time.
+        So many effects, or imitations, at a time.
 
     Notes
     -----
@@ -98,10 +99,10 @@ class Pretence:
         if fitted.hypothesis not in self._imitations:
             self._progress("imitating the recordings with what has been found")
             values = values_in_each(self._cases, self._cases[0], fitted.shared, fitted.own)
-            self._imitations[fitted.hypothesis] = [
-                self._imitated(values, np.random.default_rng((self._seed, draw)))
-                for draw in range(IMITATIONS)
-            ]
+            draws = [np.random.default_rng((self._seed, draw)) for draw in range(IMITATIONS)]
+            self._imitations[fitted.hypothesis] = side_by_side(
+                lambda rng: self._imitated(values, rng), draws, self._jobs
+            )
         return [
             fitted.beyond_refit(fitted.weigh(left)) for left in self._imitations[fitted.hypothesis]
         ]

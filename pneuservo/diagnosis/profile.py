@@ -9,6 +9,7 @@ from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, problems_of
+from pneuservo.diagnosis.side_by_side import side_by_side
 
 RISE = 3.841
 """Rise of the weighted sum of squares at the ends of a 95 % interval (chi-square, one value)."""
@@ -23,7 +24,12 @@ _CHORDS = 2
 
 
 def with_profiles(
-    model: Model, cases: Sequence[Case], found: Fit, keys: Sequence[str], rise: float = RISE
+    model: Model,
+    cases: Sequence[Case],
+    found: Fit,
+    keys: Sequence[str],
+    rise: float = RISE,
+    jobs: int = 1,
 ) -> Fit:
     """Return a fit with the intervals of some shared values from their profile likelihood.
 
@@ -37,6 +43,8 @@ def with_profiles(
         Shared values whose intervals are wanted.
     rise : float, optional
         Of the weighted sum of squares at the ends of an interval.
+    jobs : int, optional
+        So many ends at a time.
 
     Returns
     -------
@@ -59,11 +67,11 @@ def with_profiles(
     vector = solution / problem.units
     profile = _Profile(problem, vector, found.sensitivity * (problem.units / found.units), rise)
     place = {unknown.key: i for i, unknown in enumerate(problem.shared)}
+    asked = [(place[key], sign) for key in keys for sign in (-1.0, 1.0)]
+    ends = iter(side_by_side(lambda each: profile.end(*each), asked, jobs))
     intervals = dict(found.intervals)
-    for key in keys:
-        column = place[key]
-        ends = (profile.end(column, sign) * problem.units[column] for sign in (-1.0, 1.0))
-        low, high = sorted(float(end) for end in ends)
+    for key, one, other in zip(keys, ends, ends, strict=True):
+        low, high = sorted(end * float(problem.units[place[key]]) for end in (one, other))
         intervals[key] = low, high
     return replace(found, intervals=intervals)
 

@@ -261,7 +261,10 @@ class Search:
             rise = RISE
             if self.model.steady:
                 rise += FORM * max(explained(self.baseline, chosen), 0.0)
-            self.fits[chosen.hypothesis] = with_profiles(self.model, self.cases, chosen, keys, rise)
+            jobs = self.jobs if self.model.steady else 1
+            self.fits[chosen.hypothesis] = with_profiles(
+                self.model, self.cases, chosen, keys, rise, jobs
+            )
 
     def give_up(self) -> None:
         """Drop every name: something without one explains the recordings better."""

@@ -110,7 +110,7 @@ DRIFT = _tabulated(
     0.9,
     0.005,
     _choice("of", DRIFTING, "q the time, the parameter by of"),
-    (0.0, 10.0),
+    (0.05, 0.45),
     (
         "Something that the catalogue has no name for changes a parameter in the course of a "
         "recording; the model holds it constant.",

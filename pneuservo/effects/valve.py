@@ -129,13 +129,14 @@ REATTACHMENT = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement=(
-        "The jet clings to the wall at low pressure ratios and passes less; "
+        "The jet clings to the wall at low pressure ratios and passes less or more; "
         "the model has one discharge coefficient."
     ),
     equation="Cd = Cd0 (1 - loss) while attached: from Pr < attach until Pr > detach",
     parameters=(
         EffectParameter(
-            "loss", "", 0.0, -0.4, 0.4, (0.1,), "discharge coefficient lost", "valve.attached_loss"
+            "loss", "", 0.0, -0.4, 0.4, (0.1,), "discharge coefficient lost, or gained below 0",
+            "valve.attached_loss",
         ),
         EffectParameter(
             "attach", "", 0.4, 0.1, 0.95, (0.5,), "ratio at which it attaches",

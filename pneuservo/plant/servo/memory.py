@@ -65,7 +65,7 @@ def remember(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
     if effects.spool.hysteresis > 0.0 or effects.spool.stiction > 0.0:
         _remember_spool(state, modes, memory, rows, drive, elapsed, passed, servo)
-    if effects.valve.attached_loss > 0.0:
+    if effects.valve.attached_loss != 0.0:
         _remember_jets(state, memory, drive, elapsed, servo)
     if effects.spool.delay > 0.0 or effects.line.delay > 0.0:
         record(state, modes, memory, rows, drive, elapsed, servo, grid)
@@ -146,7 +146,7 @@ def begin(state, modes, memory, rows, drive, servo, grid):
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
     command = _driver_command(state, modes, memory, drive, 0.0, servo)
     memory[PLAY] = command + servo.effects.spool.null_bias * servo.plant.valve.full_voltage
-    if servo.effects.valve.attached_loss > 0.0:
+    if servo.effects.valve.attached_loss != 0.0:
         _remember_jets(state, memory, drive, 0.0, servo)
     record(state, modes, memory, rows, drive, 0.0, servo, grid)
     newest = int(memory[NEWEST])

@@ -25,6 +25,7 @@ RIG = load_rig("single-axis")
 PLANT = from_rig.single_axis(RIG)
 GRID = from_rig.valve_grid("ddv-27a1")
 EFFECTS = effects_of("single-axis", tables=True)
+TWO_SIGNED = [effect for effect in EFFECTS if effect.parameters[0].low < 0.0]
 TIME = np.arange(0.0, 0.5, 1e-3)
 # Both directions and both stops at full opening, a rest, a slow ramp from null, a fast swing.
 COMMAND = np.select(
@@ -79,6 +80,16 @@ def test_every_effect_and_each_of_its_parameters_moves_an_output(effect, baselin
         assert any(
             not np.array_equal(one, other) for one, other in zip(changed, planted, strict=True)
         ), parameter.name
+
+
+@pytest.mark.parametrize("effect", TWO_SIGNED, ids=lambda effect: effect.id)
+def test_an_effect_that_may_be_negative_moves_an_output_then_too(effect, baseline):
+    size = effect.parameters[0].name
+    found = outputs(with_effect(effect, -1.0, size))
+    assert any(
+        np.abs(one - other).max() > 1e-7 * np.ptp(other)
+        for one, other in zip(found, baseline, strict=True)
+    )
 
 
 def flows(effects, opening=0.5, pressure_a=4e5, pressure_b=4e5, supply=6.5e5):
