@@ -174,10 +174,10 @@ def find_unexplained(
 
     Notes
     -----
-    Every table is simulated knot by knot, what the fitted parameters absorb is taken out, and the
-    knots are fitted together: a projected score test with one degree of freedom per knot, held
-    against imitations of the recordings like any named effect. Only where something is left beside
-    the names a table may do better in their place.
+    Every table is simulated with every other knot, what the fitted parameters absorb is taken out,
+    and those that promise most are simulated knot by knot and fitted: with one degree of freedom
+    per knot, held against imitations of the recordings like any named effect. Only where something
+    is left beside the names a table may do better in their place.
     """
     beside = _best(model, cases, tables, chosen, copies, jobs)
     if beside is None or not chosen.hypothesis.effects:
@@ -203,29 +203,45 @@ def _best(
 ) -> Unexplained | None:
     """Return the table that explains most of what a fit leaves, of those that earn their place."""
     left = base.beyond_refit(base.weighted)
-    promise: list[tuple[float, Table, Array]] = []
-    changes = side_by_side(lambda table: _changes(model, cases, base, table), tables, jobs)
-    for table, columns in zip(tables, changes, strict=True):
+    promise: list[tuple[float, Table]] = []
+    roughly = side_by_side(
+        lambda table: _changes(model, cases, base, table, _coarse(len(table.knots))), tables, jobs
+    )
+    for table, columns in zip(tables, roughly, strict=True):
         rest = base.beyond_refit(columns / base.row_scale()[:, np.newaxis])
         seen = np.linalg.norm(rest, axis=0) > 1e-6
         if seen.any():
-            promise.append((most_gained([orthonormal(rest[:, seen])], left), table, columns))
+            promise.append((most_gained([orthonormal(rest[:, seen])], left), table))
     promise.sort(key=lambda each: each[0], reverse=True)
+    worth_fitting = [
+        table for gain, table in promise[:WORTH_FITTING] if gain > LEAST_PROMISE * table.least_gain
+    ]
+    changes = side_by_side(
+        lambda table: _changes(model, cases, base, table, np.eye(len(table.knots))),
+        worth_fitting,
+        jobs,
+    )
     fitted = [
         _fitted(model, cases, base, table, columns, copies)
-        for gain, table, columns in promise[:WORTH_FITTING]
-        if gain > LEAST_PROMISE * table.least_gain
+        for table, columns in zip(worth_fitting, changes, strict=True)
     ]
     worth = [found for found in fitted if found is not None]
     return max(worth, key=lambda found: found.gain, default=None)
 
 
-def _changes(model: Model, cases: Sequence[Case], base: Fit, table: Table) -> Array:
-    """Return what a step of each knot changes in the residuals [unit of the cases]."""
+def _coarse(knots: int) -> Array:
+    """Return shapes with every other knot only, straight between them, one per row."""
+    every = np.arange(knots)
+    return np.array([np.clip(1.0 - 0.5 * np.abs(every - k), 0.0, None) for k in every[::2]])
+
+
+def _changes(model: Model, cases: Sequence[Case], base: Fit, table: Table, shapes: Array) -> Array:
+    """Return what a step of each of some shapes changes in the residuals [unit of the cases]."""
     here = np.concatenate(base.residuals)
     changes = []
-    for knot in table.knots:
-        there = {**base.shared, **table.values, knot: table.step}
+    for shape in shapes:
+        heights = dict(zip(table.knots, (table.step * shape).tolist(), strict=True))
+        there = {**base.shared, **table.values, **heights}
         values = values_in_each(cases, cases[0], there, base.own)
         changes.append(here - np.concatenate(residuals_of(model, cases, values)))
     return np.column_stack(changes)
