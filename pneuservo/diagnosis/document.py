@@ -287,7 +287,8 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     onset = onset_in_words([own.get("start", 0.0) for own in search.chosen.own])
 
     def blame(block: str, share: float, energy: Any) -> None:
-        shares[block] = shares.get(block, 0.0) + share
+        # Weighed by channel an effect may be worth its place though the plain sum of squares grows.
+        shares[block] = shares.get(block, 0.0) + max(share, 0.0)
         words = regime_in_words(search.model, search.cases, energy)
         if words and words not in regimes.setdefault(block, []):
             regimes[block].append(words)
@@ -299,7 +300,7 @@ def _located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     if diagnosis.unexplained is not None:
         before, after = fits[-1], diagnosis.repaired
         drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
-        blame(diagnosis.unexplained.table.block, max(float(np.sum(drop)) / whole, 0.0), drop)
+        blame(diagnosis.unexplained.table.block, float(np.sum(drop)) / whole, drop)
     # What nothing explains belongs to the block whose output is judged.
     rest = max(0.0, 1.0 - sum(shares.values()))
     # Where the noise is known to a fifth only, a small excess over it is nobody's fault.
