@@ -169,7 +169,17 @@ class Fit:
 
     def weigh(self, parts: Sequence[Array]) -> Array:
         """Return residuals or changes of them, each counted in the spread of its channel."""
-        return np.concatenate(parts) / self.row_scale()
+        return self.counted(np.concatenate(parts))
+
+    def counted(self, changes: Array) -> Array:
+        """Return changes of all residuals, each counted in the spread of its channel.
+
+        Parameters
+        ----------
+        changes : (n,) or (n, k) array
+            In the unit of the residuals.
+        """
+        return np.asarray((changes.T / self.row_scale()).T)
 
     def row_scale(self) -> Array:
         """Return what each residual counts as one."""
@@ -188,6 +198,8 @@ class Fit:
         scale : mapping of str to float
             What one residual of each channel counts as one standard deviation.
         """
+        if scale == self.scale:
+            return self
         rows = self.row_scale()
         other = replace(self, scale=scale)
         sensitivity = self.sensitivity.copy()

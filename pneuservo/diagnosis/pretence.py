@@ -17,7 +17,6 @@ from pneuservo.diagnosis.signatures import (
     most_gained,
     signatures_of,
     spans_beyond,
-    weighted,
 )
 
 IMITATIONS = 3
@@ -158,8 +157,8 @@ class Pretence:
 
 
 def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:
-    first = weighted(base, variants[0][:, :1])[:, 0]
-    rest = first - base.absorbed @ (base.absorbed.T @ first)
+    first = base.counted(variants[0][:, 0])
+    rest = base.beyond_refit(first)
     spans = spans_beyond(base, variants)
     pretended = max((most_gained(spans, left) for left in imitations), default=0.0)
     return Visibility(float(np.linalg.norm(first)), float(np.linalg.norm(rest)), pretended)

@@ -141,6 +141,14 @@ class Search:
             tried.effects <= base.hypothesis.effects for tried in self._hopeless.get(name, [])
         )
 
+    @property
+    def _at_a_time(self) -> int:
+        """Return how many simulations may run beside each other.
+
+        Models other than those run by kernels share what they simulate with, and would only wait.
+        """
+        return self.jobs if self.model.steady else 1
+
     @cached_property
     def _one_sided(self) -> frozenset[str]:
         """Return the effects whose size cannot be negative."""
@@ -176,9 +184,7 @@ class Search:
         def add(name: str) -> Fit:
             return self.fitted(base.hypothesis.adding(name), base)
 
-        # Other models share what they simulate with, and would only wait for each other.
-        jobs = self.jobs if self.model.steady else 1
-        found = dict(zip(names, side_by_side(add, names, jobs), strict=True))
+        found = dict(zip(names, side_by_side(add, names, self._at_a_time), strict=True))
         for name, closer in found.items():
             if self.model.steady and explained(base, closer) < -DECISIVE:
                 self._hopeless.setdefault(name, []).append(base.hypothesis)
@@ -190,8 +196,7 @@ class Search:
         What has promised most is fitted first; the others have to promise enough to reach it.
         """
         ranked = sorted(promises, key=promises.__getitem__, reverse=True)
-        first = ranked if not self.model.steady else ranked[:FITTED_FIRST]
-        found = self._fitted_with(base, first)
+        found = self._fitted_with(base, ranked[:FITTED_FIRST])
         best = max((explained(base, closer) for closer in found.values()), default=0.0)
         near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > best]
         found |= self._fitted_with(base, near)
@@ -261,9 +266,8 @@ class Search:
             rise = RISE
             if self.model.steady:
                 rise += FORM * max(explained(self.baseline, chosen), 0.0)
-            jobs = self.jobs if self.model.steady else 1
             self.fits[chosen.hypothesis] = with_profiles(
-                self.model, self.cases, chosen, keys, rise, jobs
+                self.model, self.cases, chosen, keys, rise, self._at_a_time
             )
 
     def give_up(self) -> None:

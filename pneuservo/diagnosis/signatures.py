@@ -45,25 +45,6 @@ def signatures_of(
     return {effect.id: variants for effect, variants in zip(effects, found, strict=True)}
 
 
-def weighted(base: Fit, columns: Array) -> Array:
-    """Return columns counted in the spread of the residuals; tolerated values stay as they are.
-
-    Parameters
-    ----------
-    base : Fit
-        What they are changes of.
-    columns : (n, k) array
-        Changes of all residuals.
-
-    Returns
-    -------
-    (n + t, k) array
-        Rows as those of the fit's `sensitivity`.
-    """
-    rows = np.zeros((len(base.distance), columns.shape[1]))
-    return np.vstack([columns / base.row_scale()[:, np.newaxis], rows])
-
-
 def spans_beyond(
     base: Fit, variants: Sequence[Array], counts: Callable[[Array], bool] | None = None
 ) -> list[Array]:
@@ -78,10 +59,10 @@ def spans_beyond(
     counts : callable, optional
         Takes what a refit leaves of a variant, and returns whether the variant is to be counted.
     """
-    spans, basis = [], base.absorbed
+    spans = []
     for variant in variants:
-        columns = weighted(base, variant)
-        rest = columns - basis @ (basis.T @ columns)
+        columns = base.counted(variant)
+        rest = base.beyond_refit(columns)
         if counts is not None and not counts(rest):
             continue
         whole = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)

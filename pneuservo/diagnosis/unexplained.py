@@ -5,14 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, orthonormal, rms
+from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.fitting import channel_scales
 from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table
 from pneuservo.diagnosis.problem import residuals_of, values_in_each
 from pneuservo.diagnosis.side_by_side import side_by_side
-from pneuservo.diagnosis.signatures import most_gained
+from pneuservo.diagnosis.signatures import most_gained, spans_beyond
 
 Copies = Callable[[Fit], Sequence[Array]]
 """Takes a fit and returns what it leaves of recordings that its own rig has made, beyond a refit,
@@ -208,10 +208,7 @@ def _best(
         lambda table: _changes(model, cases, base, table, _coarse(len(table.knots))), tables, jobs
     )
     for table, columns in zip(tables, roughly, strict=True):
-        rest = base.beyond_refit(columns / base.row_scale()[:, np.newaxis])
-        seen = np.linalg.norm(rest, axis=0) > 1e-6
-        if seen.any():
-            promise.append((most_gained([orthonormal(rest[:, seen])], left), table))
+        promise.append((most_gained(spans_beyond(base, [columns]), left), table))
     promise.sort(key=lambda each: each[0], reverse=True)
     worth_fitting = [
         table for gain, table in promise[:WORTH_FITTING] if gain > LEAST_PROMISE * table.least_gain
@@ -262,14 +259,14 @@ def _fitted(
         steps = share * whole
     weighed = base.in_weights(found.scale)
     gain = explained(weighed, found)
-    rest, plain = _rows(weighed, columns)
-    span = orthonormal(rest)
-    pretended = max((most_gained([span], copy) for copy in copies(weighed)), default=0.0)
+    spans = spans_beyond(weighed, [columns])
+    pretended = max((most_gained(spans, copy) for copy in copies(weighed)), default=0.0)
     if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
         return None
     values = table.step * steps
     if float(np.std(values)) <= table.least:
         return None
+    rest, plain = _rows(weighed, columns)
     # Of the shape alone: what all knots have in common the parameters may take up.
     shape = np.eye(len(steps)) - 1.0 / len(steps)
     covariance = shape @ np.linalg.pinv(rest.T @ rest + plain.T @ plain) @ shape
@@ -284,7 +281,7 @@ def _rows(base: Fit, columns: Array) -> tuple[Array, Array]:
 
     Where nothing shows they run straight, and what they have in common is left to the parameters.
     """
-    rest = base.beyond_refit(columns / base.row_scale()[:, np.newaxis])
+    rest = base.beyond_refit(base.counted(columns))
     knots = rest.shape[1]
     plain = np.vstack([np.diff(np.eye(knots), 2, axis=0), np.full(knots, knots**-0.5)])
     return rest, plain * PLAIN * float(np.median(np.linalg.norm(rest, axis=0)))
@@ -304,7 +301,7 @@ def _with_table(
 
     The parameters move to where they suit the table, all of the way or so far as it gets better.
     """
-    undone = base.weighted - (columns @ steps) / base.row_scale()
+    undone = base.weighted - base.counted(columns @ steps)
     follow = np.linalg.lstsq(
         base.sensitivity, -np.concatenate([undone, base.distance]), rcond=None
     )[0]

@@ -10,6 +10,7 @@ from analog_card.differentiator_kernel import EXTENDED
 from pneuservo.plant.behavioural_card import CONTROL, FIRST, SECOND, SURFACE, mean_voltage
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.chain import piston_acceleration, reading
+from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.events import settle
 from pneuservo.plant.servo.layout import (
     COMMAND,
@@ -71,15 +72,16 @@ def run_servo_with_card(
         interval = inputs[min(k + 1, inputs.shape[0] - 1), TIME] - inputs[k, TIME]
         write_drive(inputs, k, interval, drive)
         demand = inputs[k, COMMAND]
-        transducer = sensitivity * reading(state, 0.0, drive, servo)[0]
+        now = drifted(servo, inputs[k, TIME])
+        transducer = sensitivity * reading(state, 0.0, drive, now)[0]
         card_outputs(card_state, transducer, card, card_work, voltages)
         drive[0, COMMAND] = voltages[CONTROL]
         if k == 0:
-            start(state, modes, memory, rows, drive, servo, grid)
-        settle(state, modes, memory, rows, drive, 0.0, servo)
+            start(state, modes, memory, rows, drive, now, grid)
+        settle(state, modes, memory, rows, drive, 0.0, now)
         if delayed:
-            record(state, modes, memory, rows, drive, 0.0, servo, grid)
-        write_output(state, modes, memory, rows, drive, servo, grid, outputs[k])
+            record(state, modes, memory, rows, drive, 0.0, now, grid)
+        write_output(state, modes, memory, rows, drive, now, grid, outputs[k])
         _write_card(voltages, outputs[k])
         if k + 1 == inputs.shape[0] or not math.isfinite(state[DISPLACEMENT] + state[PRESSURE_A]):
             outputs[k + 1 :] = math.nan
@@ -87,10 +89,10 @@ def run_servo_with_card(
         duration = interval / steps
         for i in range(steps):
             elapsed = interval * i / steps
-            second = piston_acceleration(state, modes, memory, drive, elapsed, servo)
+            second = piston_acceleration(state, modes, memory, drive, elapsed, now)
             drive[0, COMMAND] = mean_voltage(
                 card_state,
-                reading(state, second, drive, servo),
+                reading(state, second, drive, now),
                 sensitivity,
                 demand,
                 duration,
@@ -98,7 +100,7 @@ def run_servo_with_card(
                 card,
                 card_work,
             )
-            settle(state, modes, memory, rows, drive, elapsed, servo)
+            settle(state, modes, memory, rows, drive, elapsed, now)
             advance(
                 state,
                 elapsed,
@@ -107,7 +109,7 @@ def run_servo_with_card(
                 memory,
                 rows,
                 drive,
-                servo,
+                now,
                 grid,
                 work,
                 result,

@@ -161,6 +161,22 @@ def motor_command(command, memory, rows, drive, elapsed, servo):
 
 
 @compiled
+def pressure_share(state, drive, elapsed, servo):
+    """Return the mean pressure drop over the two open edges as a share of the supply [-].
+
+    Parameters
+    ----------
+    state, drive, elapsed, servo
+        As in `derivative`.
+    """
+    supply = supply_at_valve(state, drive, elapsed, servo)
+    charged, vented = state[PRESSURE_A], state[PRESSURE_B]
+    if state[SPOOL] < 0.0:
+        charged, vented = vented, charged
+    return 0.5 * (supply - charged + vented - servo.plant.ambient_pressure) / supply
+
+
+@compiled
 def write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
     """Write the rates of the spool: none at the end of its travel.
 
@@ -179,11 +195,7 @@ def write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
     command = motor_command(command, memory, rows, drive, elapsed, servo)
     share = 0.0
     if servo.effects.spool.flow_force > 0.0:
-        supply = supply_at_valve(state, drive, elapsed, servo)
-        charged, vented = state[PRESSURE_A], state[PRESSURE_B]
-        if state[SPOOL] < 0.0:
-            charged, vented = vented, charged
-        share = 0.5 * (supply - charged + vented - plant.ambient_pressure) / supply
+        share = pressure_share(state, drive, elapsed, servo)
     rate[SPOOL], rate[SPOOL_RATE] = spool_rates(
         limited(command, plant.valve.full_voltage),
         state[SPOOL],

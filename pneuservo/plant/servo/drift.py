@@ -37,83 +37,92 @@ def drifted(servo, time):
     table = servo.effects.unexplained_drift
     if table.high == table.low:
         return servo
-    return _with_factor(servo, table.over, 1.0 + between_knots(time, table))
+    return with_factor(servo, table.over, 1.0 + between_knots(time, table))
 
 
 @compiled_apart
-def _with_factor(servo, which, factor):
+def with_factor(servo, which, factor):
     """Return the servo with one of its parameters multiplied."""
-    plant, effects = servo.plant, servo.effects
-    piston, valve, sensor = plant.piston, plant.valve, effects.sensor
+    return Servo(
+        _plant_with_factor(servo.plant, which, factor),
+        _effects_with_factor(servo.effects, factor if which == DISPLACEMENT_GAIN else 1.0),
+        servo.law,
+        servo.displacement_range,
+    )
+
+
+@compiled
+def _plant_with_factor(plant, which, factor):
+    piston, valve = plant.piston, plant.valve
     moved = factor if which == MASS else 1.0
     rubbing = factor if which == COULOMB_FRICTION else 1.0
     out = factor if which == EXHAUST_EDGES else 1.0
     into = factor if which == SUPPLY_EDGES else 1.0
-    read = factor if which == DISPLACEMENT_GAIN else 1.0
-    return Servo(
-        SingleAxis(
-            plant.supply_pressure,
-            plant.ambient_pressure,
-            plant.dead_volume_a,
-            plant.dead_volume_b,
-            plant.polytropic_index,
-            plant.gas,
-            Valve(
-                valve.full_voltage,
-                into * valve.area_s_a,
-                out * valve.area_b_e,
-                into * valve.area_s_b,
-                out * valve.area_a_e,
-                valve.spool_frequency,
-                valve.spool_damping,
-            ),
-            Piston(
-                piston.area_a,
-                piston.area_b,
-                piston.stroke,
-                moved * piston.mass,
-                piston.gravity,
-                piston.viscous_friction,
-                rubbing * piston.coulomb_friction,
-            ),
+    return SingleAxis(
+        plant.supply_pressure,
+        plant.ambient_pressure,
+        plant.dead_volume_a,
+        plant.dead_volume_b,
+        plant.polytropic_index,
+        plant.gas,
+        Valve(
+            valve.full_voltage,
+            into * valve.area_s_a,
+            out * valve.area_b_e,
+            into * valve.area_s_b,
+            out * valve.area_a_e,
+            valve.spool_frequency,
+            valve.spool_damping,
         ),
-        ServoEffects(
-            effects.spool,
-            effects.valve,
-            effects.supply,
-            effects.line,
-            effects.chamber,
-            effects.leakage,
-            effects.friction,
-            effects.load,
-            effects.stop,
-            SensorEffects(
-                read * (1.0 + sensor.displacement_gain) - 1.0,
-                sensor.displacement_offset,
-                sensor.first_harmonic,
-                sensor.second_harmonic,
-                sensor.displacement_lag,
-                sensor.wiper_play,
-                sensor.displacement_step,
-                sensor.pressure_a_offset,
-                sensor.pressure_b_offset,
-                sensor.pressure_a_gain,
-                sensor.pressure_b_gain,
-                sensor.static_share,
-                sensor.pressure_lag,
-                sensor.pressure_step,
-                sensor.pressure_skew,
-                sensor.hum,
-                sensor.hum_frequency,
-                sensor.hum_phase,
-            ),
-            effects.unexplained_force,
-            effects.unexplained_flow_a,
-            effects.unexplained_flow_b,
-            effects.unexplained_drift,
+        Piston(
+            piston.area_a,
+            piston.area_b,
+            piston.stroke,
+            moved * piston.mass,
+            piston.gravity,
+            piston.viscous_friction,
+            rubbing * piston.coulomb_friction,
         ),
-        servo.law,
-        servo.displacement_range,
+    )
+
+
+@compiled
+def _effects_with_factor(effects, read):
+    sensor = effects.sensor
+    return ServoEffects(
+        effects.spool,
+        effects.valve,
+        effects.supply,
+        effects.line,
+        effects.chamber,
+        effects.leakage,
+        effects.friction,
+        effects.load,
+        effects.stop,
+        SensorEffects(
+            read * (1.0 + sensor.displacement_gain) - 1.0,
+            sensor.displacement_offset,
+            sensor.first_harmonic,
+            sensor.second_harmonic,
+            sensor.displacement_lag,
+            sensor.wiper_play,
+            sensor.displacement_step,
+            sensor.pressure_a_offset,
+            sensor.pressure_b_offset,
+            sensor.pressure_a_gain,
+            sensor.pressure_b_gain,
+            sensor.static_share,
+            sensor.pressure_lag,
+            sensor.pressure_step,
+            sensor.pressure_skew,
+            sensor.hum,
+            sensor.hum_frequency,
+            sensor.hum_phase,
+        ),
+        effects.unexplained_force,
+        effects.unexplained_flow_a,
+        effects.unexplained_flow_b,
+        effects.unexplained_drift,
     )
 
 

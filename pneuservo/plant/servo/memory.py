@@ -54,6 +54,23 @@ def remember(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
     Play, stiction of the spool, jets and rest change only here, so that their timing is known to
     a step; friction that builds up over a distance is exact for a step without a reversal.
     """
+    effects = servo.effects.spool
+    if effects.hysteresis > 0.0 or effects.stiction > 0.0:
+        command = _driver_command(state, modes, memory, drive, elapsed, servo)
+        heard = motor_command(command, memory, rows, drive, elapsed, servo)
+        remember_spool(heard, state, memory, passed, servo)
+    remember_beside_spool(state, modes, memory, rows, drive, elapsed, passed, servo, grid)
+
+
+@compiled
+def remember_beside_spool(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
+    """Update what is remembered once a step is done, but for what the spool remembers.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, elapsed, passed, servo, grid
+        As in `remember`.
+    """
     effects = servo.effects
     memory[PISTON_REST] = 0.0 if is_moving(modes[MOTION]) else memory[PISTON_REST] + passed
     memory[BRISTLE] = presliding_step(
@@ -63,8 +80,6 @@ def remember(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
         effects.friction.presliding_exponent,
     )
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
-    if effects.spool.hysteresis > 0.0 or effects.spool.stiction > 0.0:
-        _remember_spool(state, modes, memory, rows, drive, elapsed, passed, servo)
     if effects.valve.attached_loss != 0.0:
         _remember_jets(state, memory, drive, elapsed, servo)
     if effects.spool.delay > 0.0 or effects.line.delay > 0.0:
@@ -78,10 +93,20 @@ def _driver_command(state, modes, memory, drive, elapsed, servo):
 
 
 @compiled_apart
-def _remember_spool(state, modes, memory, rows, drive, elapsed, passed, servo):
+def remember_spool(command, state, memory, passed, servo):
+    """Update where the play was left and whether stiction holds the spool.
+
+    Parameters
+    ----------
+    command : float
+        That moves the spool, from `pneuservo.plant.servo.chain.motor_command` [V].
+    state, memory, servo
+        As in `pneuservo.plant.servo.chain.derivative`; the first two are changed.
+    passed : float
+        Length of the step [s].
+    """
     effects, full = servo.effects.spool, servo.plant.valve.full_voltage
-    command = _driver_command(state, modes, memory, drive, elapsed, servo)
-    memory[PLAY] = motor_command(command, memory, rows, drive, elapsed, servo)
+    memory[PLAY] = command
     if effects.stiction == 0.0:
         return
     error = abs(limited(memory[PLAY], full) / full - state[SPOOL])

@@ -25,13 +25,6 @@ from pneuservo.plant.single_axis import (
 
 Samples = NDArray[np.float64]
 
-# The longest step along a measured motion: against steps of 20 us the pressures of a random
-# command differ by some 30 Pa (rms), a tenth of a transducer's noise.
-_LARGEST_STEP = 500e-6
-# A small volume at the valve's end of a hose, a joint and a cushion are stiff; delays, limits and
-# stiction of the spool change the command inside a step.
-_LARGEST_STEP_OF_FAST_EFFECTS = 100e-6
-
 
 def has_own_states(effects: ServoEffects, law: ControlLaw) -> bool:
     """Return whether an effect or the card needs states beyond the plant's six.
@@ -145,24 +138,3 @@ def servo_inputs(
     for name, values in columns.items():
         inputs[:, getattr(layout, name.upper())] = values
     return inputs
-
-
-def step_for(effects: ServoEffects) -> float:
-    """Return the longest integration step along a measured motion that effects leave room for [s].
-
-    Parameters
-    ----------
-    effects : ServoEffects
-        The effects.
-    """
-    spool = effects.spool
-    fast = (
-        effects.line.frequency,
-        effects.load.joint_share,
-        effects.stop.cushion_length,
-        spool.delay,
-        spool.rate_limit,
-        spool.acceleration_limit,
-        spool.stiction,
-    )
-    return _LARGEST_STEP_OF_FAST_EFFECTS if any(fast) else _LARGEST_STEP

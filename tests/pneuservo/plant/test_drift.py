@@ -1,25 +1,27 @@
 """A parameter that drifts is that of the rig, and nothing while its table is empty or level."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
+import swinging_servo
+from swinging_servo import BASELINE, RIG, TIME
 
+from analog_card.design_file import load_design
+from pneuservo.controllers import card_of
 from pneuservo.effects.unexplained import DRIFT
 from pneuservo.errors import InputError
-from pneuservo.plant.servo.drift import DRIFTING, behind_drift
+from pneuservo.plant import from_rig
+from pneuservo.plant.control_law import OPEN_LOOP
+from pneuservo.plant.servo.drift import DRIFTING, behind_drift, with_factor
+from pneuservo.plant.servo.layout import Servo
+from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.unexplained_effects import INTERVALS, Table
-from pneuservo.rigs import load_rig
 from pneuservo.simulation import InitialState, simulate
 
-RIG = load_rig("single-axis")
-TIME = np.arange(0.0, 0.3, 1e-3)
-COMMAND = 4.0 * np.sin(2.0 * np.pi * 5.0 * TIME)
 # Pressures at rest would follow the mass.
 START = InitialState(0.012, pressure_a=3e5, pressure_b=3.2e5)
-CHANNELS = ("displacement", "velocity", "pressure_a", "pressure_b", "spool")
-# Named, so that it runs in the kernel with effects.
-BASELINE = {"load.spring": {"stiffness": 0.0}}
 PARAMETERS = (
     ("load.mass",),
     ("piston.coulomb_friction",),
@@ -33,14 +35,25 @@ def drift(which, values, high=0.3):
 
 
 def run(effects, rig=RIG):
-    rig = dataclasses.replace(rig, effects=effects)
-    return simulate(rig, time=TIME, command=COMMAND, supply_pressure=6.5e5, initial=START)
+    return swinging_servo.run(effects, start=START, rig=rig)
 
 
 def assert_same(found, expected):
-    for name in CHANNELS:
-        span = np.ptp(expected[name])
-        assert np.abs(found[name] - expected[name]).max() <= 1e-9 * span, name
+    swinging_servo.assert_same(found, expected, 1e-9)
+
+
+def numbered(value, counter):
+    """Fill every number with another one, whatever it is a number of."""
+    if isinstance(value, tuple):
+        filled = [numbered(part, counter) for part in value]
+        return value._make(filled) if hasattr(value, "_make") else tuple(filled)
+    return float(next(counter))
+
+
+def flat(value):
+    if isinstance(value, tuple):
+        return [number for part in value for number in flat(part)]
+    return [value]
 
 
 @pytest.mark.parametrize("which", range(len(PARAMETERS)), ids=DRIFTING[: len(PARAMETERS)])
@@ -65,6 +78,35 @@ def test_a_drift_begins_where_the_parameter_still_has_its_value():
     apart = np.abs(drifting["pressure_a"] - constant["pressure_a"])
     early, late = apart[TIME < 0.02].max(), apart[TIME > 0.2].max()
     assert early < 0.05 * late
+
+
+def test_a_drift_of_nothing_leaves_every_number_in_its_place():
+    servo = numbered(Servo(from_rig.single_axis(RIG), NEUTRAL, OPEN_LOOP), itertools.count(1))
+    # Rounding of the transducer's gain alone, which stands as a difference from one.
+    expected = pytest.approx(flat(servo), rel=1e-12)
+    for which in range(len(DRIFTING)):
+        assert flat(with_factor(servo, which, 1.0)) == expected, DRIFTING[which]
+
+
+def test_under_the_card_a_mass_that_drifts_is_another_mass():
+    time = np.arange(0.0, 0.1, 1e-4)
+    heavier = RIG.with_values({"load.mass": 1.3 * RIG["load.mass"]})
+    found, expected, lighter = (
+        simulate(
+            dataclasses.replace(rig, effects=effects),
+            time=time,
+            controller=card_of(load_design()),
+            demand=np.where(time < 0.5e-4, 0.015, 0.024),
+            initial=START,
+        )
+        for rig, effects in (
+            (RIG, {"unexplained.drift": drift(0, [0.3] * (INTERVALS + 1))}),
+            (heavier, BASELINE),
+            (RIG, BASELINE),
+        )
+    )
+    assert_same(found, expected)
+    assert np.ptp(expected["displacement"] - lighter["displacement"]) > 1e-5
 
 
 def test_what_a_drifting_transducer_read_is_undone():

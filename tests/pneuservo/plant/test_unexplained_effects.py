@@ -1,9 +1,8 @@
 """Tables that stand for physics without a name do what they say, and nothing while empty."""
 
-import dataclasses
-
 import numpy as np
 import pytest
+from swinging_servo import BASELINE, RIG, TIME, assert_same, run
 
 from pneuservo.effects.servo import servo_effects
 from pneuservo.errors import InputError
@@ -19,16 +18,10 @@ from pneuservo.plant.servo.unexplained_effects import (
     unexplained_force,
 )
 from pneuservo.rigs import load_rig
-from pneuservo.simulation import InitialState, simulate
+from pneuservo.simulation import InitialState
 
-RIG = load_rig("single-axis")
 PLANT = from_rig.single_axis(RIG)
 STROKE = PLANT.piston.stroke
-TIME = np.arange(0.0, 0.3, 1e-3)
-COMMAND = 4.0 * np.sin(2.0 * np.pi * 5.0 * TIME)
-CHANNELS = ("displacement", "velocity", "pressure_a", "pressure_b", "spool")
-# Named, so that it runs in the kernel with effects.
-BASELINE = {"load.spring": {"stiffness": 0.0}}
 # Displacement, velocity, both pressures, spool, time; each over its own range.
 STATE = (0.012, 0.2, 4.2e5, 5.1e5, -0.3, 1.7)
 
@@ -39,18 +32,6 @@ def knots(low, high):
 
 def table(over, low, high, values):
     return {"over": over, "low": low, "high": high} | {f"v{k}": v for k, v in enumerate(values)}
-
-
-def run(effects, command=COMMAND, displacement=0.012, rig=RIG):
-    rig = dataclasses.replace(rig, effects=effects)
-    start = InitialState(displacement)
-    return simulate(rig, time=TIME, command=command, supply_pressure=6.5e5, initial=start)
-
-
-def assert_same(found, expected, tolerance):
-    for name in CHANNELS:
-        span = np.ptp(expected[name])
-        assert np.abs(found[name] - expected[name]).max() <= tolerance * span, name
 
 
 @pytest.mark.parametrize(
@@ -145,7 +126,7 @@ def test_a_constant_flow_fills_a_chamber_by_its_mass(side, pressure):
     filled = {f"unexplained.flow-{side}": table(tables.TIME, 0.0, 1.0, np.full(9, flow))}
     shut = np.zeros_like(TIME)
     found, still = (
-        run(effects, command=shut, displacement=place) for effects in (filled, BASELINE)
+        run(effects, command=shut, start=InitialState(place)) for effects in (filled, BASELINE)
     )
     piston = PLANT.piston
     area, dead = (

@@ -2,16 +2,16 @@
 
 import math
 
+from pneuservo.diagnosis.models.servo.spool import move_spool
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.servo.chain import write_spool_rates
+from pneuservo.plant.servo.chain import pressure_share
 from pneuservo.plant.servo.layout import COMMAND, JOINT, JOINT_RATE, SUPPLY, TIME
 from pneuservo.plant.servo.load_effects import joint_force, rigid_mass
 from pneuservo.plant.servo.mechanics import carried_rates
-from pneuservo.plant.servo.memory import remember
+from pneuservo.plant.servo.memory import remember_beside_spool
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
-from pneuservo.plant.servo.spool_effects import travel_end
+from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.single_axis import (
-    CARD_LAGGED_1,
     DISPLACEMENT,
     PLANT_STATES,
     PRESSURE_A,
@@ -21,10 +21,28 @@ from pneuservo.plant.single_axis import (
     VELOCITY,
 )
 
+# Against steps of 20 us the pressures of a random command differ by some 30 Pa (rms), a tenth of a
+# transducer's noise.
+_LARGEST_STEP = 500e-6
+# A small volume at the valve's end of a hose, a joint and a cushion are stiff.
+_LARGEST_STEP_OF_STIFF_EFFECTS = 100e-6
+
 ON_ITS_WAY = 0.02
-"""A spool that is farther from where it is told to be, as a share of full opening ..."""
+"""While a spool is farther from where it is told to be, as a share of full opening ..."""
 FINE_STEP = 125e-6
-"""... is followed with steps no longer than this: a tenth of its time constant [s]."""
+"""... the chambers are followed with steps no longer than this [s]."""
+
+
+def longest_step_beside(effects: ServoEffects) -> float:
+    """Return the longest integration step of the chambers that effects leave room for [s].
+
+    Parameters
+    ----------
+    effects : ServoEffects
+        The effects.
+    """
+    stiff = (effects.line.frequency, effects.load.joint_share, effects.stop.cushion_length)
+    return _LARGEST_STEP_OF_STIFF_EFFECTS if any(stiff) else _LARGEST_STEP
 
 
 @compiled
@@ -55,7 +73,10 @@ def advance(
     before,
     after,
     free,
-    interval,
+    time,
+    voltage,
+    ramped,
+    k,
     longest_step,
     modes,
     memory,
@@ -76,8 +97,12 @@ def advance(
     free : bool
         Whether the piston gives way to the load behind a joint: the acceleration is then what it
         would be if the joint's force stayed as it is.
-    interval, longest_step : float
-        The interval, divided into equal steps no longer than that [s].
+    time, voltage, ramped
+        As in `write_drive`.
+    k : int
+        The sample at which the interval begins.
+    longest_step : float
+        The interval is divided into equal steps no longer than that [s].
     work : (3, m) array
         Room to work in.
 
@@ -88,6 +113,7 @@ def advance(
         how much its push has changed in it [m/s^2].
     """
     valve = servo.plant.valve
+    interval = time[k + 1] - time[k]
     asked = min(max(drive[0, COMMAND] / valve.full_voltage, -1.0), 1.0)
     way = abs(asked - state[SPOOL]) + abs(state[SPOOL_RATE]) / valve.spool_frequency
     longest = min(longest_step, FINE_STEP) if way > ON_ITS_WAY else longest_step
@@ -103,8 +129,10 @@ def advance(
             begun,
             j * step,
             step,
-            interval,
-            modes,
+            time,
+            voltage,
+            ramped,
+            k,
             memory,
             rows,
             drive,
@@ -112,7 +140,7 @@ def advance(
             grid,
             work,
         )
-        remember(state, modes, memory, rows, drive, (j + 1) * step, step, servo, grid)
+        remember_beside_spool(state, modes, memory, rows, drive, (j + 1) * step, step, servo, grid)
         if free:
             here = _joint(state, servo)
             swung += 0.5 * (before_step + here) / steps
@@ -139,8 +167,10 @@ def _step(
     begun,
     elapsed,
     step,
-    interval,
-    modes,
+    time,
+    voltage,
+    ramped,
+    k,
     memory,
     rows,
     drive,
@@ -150,10 +180,18 @@ def _step(
 ):
     """Advance the state by one classical Runge-Kutta step, all of the motion straight in time."""
     rate, total, start = work[0], work[1], work[2]
+    interval = time[k + 1] - time[k]
+    flow_force = servo.effects.spool.flow_force > 0.0
     start[:] = state
     total[:] = 0.0
     for stage in range(4):
         at = elapsed + (0.0 if stage == 0 else step if stage == 3 else 0.5 * step)
+        if stage == 1 or stage == 3:
+            felt = pressure_share(state, drive, at, servo) if flow_force else 0.0
+            moment = time[k] + at
+            move_spool(
+                state, memory, time, voltage, ramped, k, moment - 0.5 * step, moment, felt, servo
+            )
         share = at / interval
         state[DISPLACEMENT] = before[0] + share * (after[0] - before[0])
         state[VELOCITY] = before[1] + share * (after[1] - before[1])
@@ -164,17 +202,12 @@ def _step(
                 second += more / rigid_mass(servo.plant.piston.mass, servo.effects.load)
             carried_rates(state, state[VELOCITY], second, servo, rate)
         pneumatic_rates(state, state[VELOCITY], memory, rows, drive, at, servo, grid, rate)
-        write_spool_rates(state, modes, memory, rows, drive, at, servo, rate)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         for i in range(PRESSURE_A, state.shape[0]):
-            if i < CARD_LAGGED_1 or i >= STATES_WITH_CARD:
+            if i < SPOOL or i >= STATES_WITH_CARD:
                 total[i] += weight / 6.0 * rate[i]
                 if stage < 3:
                     state[i] = start[i] + (0.5 if stage < 2 else 1.0) * step * rate[i]
     for i in range(PRESSURE_A, state.shape[0]):
-        if i < CARD_LAGGED_1 or i >= STATES_WITH_CARD:
+        if i < SPOOL or i >= STATES_WITH_CARD:
             state[i] = start[i] + step * total[i]
-    end = travel_end(state[SPOOL], servo.effects.spool)
-    if abs(state[SPOOL]) > end:
-        state[SPOOL] = math.copysign(end, state[SPOOL])
-        state[SPOOL_RATE] = 0.0

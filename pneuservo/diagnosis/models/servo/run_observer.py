@@ -3,6 +3,7 @@
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.servo.advance import longest_step_beside
 from pneuservo.diagnosis.models.servo.charging import charging_flow
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
@@ -14,7 +15,7 @@ from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo.drift import behind_drift
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
-from pneuservo.plant.servo.starting import servo_state, step_for
+from pneuservo.plant.servo.starting import servo_state
 from pneuservo.plant.servo.supply_effects import SupplyEffects
 from pneuservo.plant.servo.transducers import true_motion, true_pressures
 from pneuservo.plant.single_axis import (
@@ -209,7 +210,7 @@ def _observe(
         servo,
         valve_grid(rig.valve),
         state,
-        step_for(effects),
+        longest_step_beside(effects),
     )
     found[0][:2] *= _as_read(effects)
     return found

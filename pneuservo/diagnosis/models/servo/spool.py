@@ -1,0 +1,124 @@
+"""The spool followed through the command that arrives at it, in steps of its own."""
+
+import math
+
+from pneuservo.plant.control_law import limited
+from pneuservo.plant.servo.compilation import compiled, compiled_apart
+from pneuservo.plant.servo.layout import PLAY, SPOOL_STUCK
+from pneuservo.plant.servo.memory import remember_spool
+from pneuservo.plant.servo.spool_effects import biased_with_play, spool_rates, travel_end
+from pneuservo.plant.single_axis import SPOOL, SPOOL_RATE
+
+STEP = 125e-6
+"""Longest step of a spool that replies linearly: a tenth of its time constant [s]."""
+FINE_STEP = 25e-6
+"""Longest step where limits, play and stiction switch on and off [s]."""
+_SAME_MOMENT = 1e-9
+
+
+@compiled
+def arriving(time, voltage, ramped, latest, moment):
+    """Return the command at a moment, how fast it rises, and until when it goes on so.
+
+    Parameters
+    ----------
+    time, voltage : (n,) array
+        [s], [V].
+    ramped : bool
+        Whether the command runs straight between samples instead of being held.
+    latest : int
+        A sample; the moment is before the next one.
+    moment : float
+        Before the first sample the command has stood as it is there [s].
+
+    Returns
+    -------
+    command, rising, until : float
+        [V], [V/s], [s].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time, voltage = np.array([0.0, 0.5, 1.0]), np.array([1.0, 3.0, 2.0])
+    >>> arriving(time, voltage, False, 1, 0.25), arriving(time, voltage, True, 1, 0.25)
+    ((1.0, 0.0, 0.5), (2.0, 4.0, 0.5))
+    """
+    k = latest
+    while k >= 0 and time[k] > moment + _SAME_MOMENT:
+        k -= 1
+    if k < 0:
+        return voltage[0], 0.0, time[0]
+    if not ramped:
+        return voltage[k], 0.0, time[k + 1]
+    rising = (voltage[k + 1] - voltage[k]) / (time[k + 1] - time[k])
+    return voltage[k] + rising * (moment - time[k]), rising, time[k + 1]
+
+
+@compiled_apart
+def move_spool(state, memory, time, voltage, ramped, latest, since, until, share, servo):
+    """Move the spool from one moment of a sampling interval to another.
+
+    Parameters
+    ----------
+    state, memory, servo
+        As in `pneuservo.plant.servo.chain.derivative`; of the first two, what is the spool's is
+        written.
+    time, voltage, ramped
+        As in `arriving`.
+    latest : int
+        The sample at which the interval begins.
+    since, until : float
+        Both in that interval [s].
+    share : float
+        From `pneuservo.plant.servo.chain.pressure_share`; only a flow force feels it [-].
+
+    Notes
+    -----
+    But for that it does not feel the chambers, and has its own classical Runge-Kutta steps. None
+    goes over a jump of the command, which a delay lets arrive in the midst of an interval.
+    """
+    effects = servo.effects.spool
+    switching = effects.acceleration_limit + effects.rate_limit + effects.stiction
+    longest = FINE_STEP if switching > 0.0 else STEP
+    now = since
+    while now < until - _SAME_MOMENT:
+        command, rising, goes_on = arriving(time, voltage, ramped, latest, now - effects.delay)
+        end = min(until, goes_on + effects.delay)
+        steps = max(1, math.ceil((end - now) / longest - 1e-6))
+        step = (end - now) / steps
+        for _ in range(steps):
+            _step(state, memory, command, rising, step, share, servo)
+            command += step * rising
+            if effects.hysteresis > 0.0 or effects.stiction > 0.0:
+                full = servo.plant.valve.full_voltage
+                moving = biased_with_play(command, memory[PLAY], full, effects)
+                remember_spool(moving, state, memory, step, servo)
+        now = end
+
+
+@compiled
+def _step(state, memory, command, rising, step, share, servo):
+    valve, effects = servo.plant.valve, servo.effects.spool
+    opening, speed = state[SPOOL], state[SPOOL_RATE]
+    moved = sped = first = second = 0.0
+    for stage in range(4):
+        at = 0.0 if stage == 0 else step if stage == 3 else 0.5 * step
+        driving = biased_with_play(command + rising * at, memory[PLAY], valve.full_voltage, effects)
+        first, second = spool_rates(
+            limited(driving, valve.full_voltage),
+            opening + at * first,
+            speed + at * second,
+            share,
+            memory[SPOOL_STUCK],
+            valve,
+            effects,
+        )
+        weight = 1.0 if stage == 0 or stage == 3 else 2.0
+        moved += weight / 6.0 * step * first
+        sped += weight / 6.0 * step * second
+    state[SPOOL] = opening + moved
+    state[SPOOL_RATE] = speed + sped
+    end = travel_end(state[SPOOL], effects)
+    if abs(state[SPOOL]) > end:
+        state[SPOOL] = math.copysign(end, state[SPOOL])
+        state[SPOOL_RATE] = 0.0
