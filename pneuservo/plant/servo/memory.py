@@ -55,7 +55,7 @@ def remember(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
     a step; friction that builds up over a distance is exact for a step without a reversal.
     """
     effects = servo.effects.spool
-    if effects.hysteresis > 0.0 or effects.stiction > 0.0:
+    if remembers(effects):
         command = _driver_command(state, modes, memory, drive, elapsed, servo)
         heard = motor_command(command, memory, rows, drive, elapsed, servo)
         remember_spool(heard, state, memory, passed, servo)
@@ -92,9 +92,21 @@ def _driver_command(state, modes, memory, drive, elapsed, servo):
     return limited(command, servo.law.level)
 
 
+@compiled
+def remembers(effects):
+    """Return whether a spool needs to be told when a step is done.
+
+    Parameters
+    ----------
+    effects : SpoolEffects
+        The effects.
+    """
+    return effects.hysteresis > 0.0 or effects.stiction > 0.0 or effects.rate_limit > 0.0
+
+
 @compiled_apart
 def remember_spool(command, state, memory, passed, servo):
-    """Update where the play was left and whether stiction holds the spool.
+    """Update where the play was left, whether stiction holds the spool, and how fast it may be.
 
     Parameters
     ----------
@@ -107,6 +119,9 @@ def remember_spool(command, state, memory, passed, servo):
     """
     effects, full = servo.effects.spool, servo.plant.valve.full_voltage
     memory[PLAY] = command
+    if effects.rate_limit > 0.0:
+        # The step in which it comes up to its limit would carry it beyond.
+        state[SPOOL_RATE] = limited(state[SPOOL_RATE], effects.rate_limit)
     if effects.stiction == 0.0:
         return
     error = abs(limited(memory[PLAY], full) / full - state[SPOOL])

@@ -29,7 +29,7 @@ _LARGEST_STEP_OF_STIFF_EFFECTS = 100e-6
 
 ON_ITS_WAY = 0.02
 """While a spool is farther from where it is told to be, as a share of full opening ..."""
-FINE_STEP = 125e-6
+FINE_STEP = 250e-6
 """... the chambers are followed with steps no longer than this [s]."""
 
 

@@ -5,14 +5,14 @@ import math
 from pneuservo.plant.control_law import limited
 from pneuservo.plant.servo.compilation import compiled, compiled_apart
 from pneuservo.plant.servo.layout import PLAY, SPOOL_STUCK
-from pneuservo.plant.servo.memory import remember_spool
+from pneuservo.plant.servo.memory import remember_spool, remembers
 from pneuservo.plant.servo.spool_effects import biased_with_play, spool_rates, travel_end
 from pneuservo.plant.single_axis import SPOOL, SPOOL_RATE
 
 STEP = 125e-6
 """Longest step of a spool that replies linearly: a tenth of its time constant [s]."""
 FINE_STEP = 25e-6
-"""Longest step where limits, play and stiction switch on and off [s]."""
+"""Longest step where limits and stiction switch on and off [s]."""
 _SAME_MOMENT = 1e-9
 
 
@@ -89,7 +89,7 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
         for _ in range(steps):
             _step(state, memory, command, rising, step, share, servo)
             command += step * rising
-            if effects.hysteresis > 0.0 or effects.stiction > 0.0:
+            if remembers(effects):
                 full = servo.plant.valve.full_voltage
                 moving = biased_with_play(command, memory[PLAY], full, effects)
                 remember_spool(moving, state, memory, step, servo)
