@@ -82,7 +82,7 @@ def fit(
         vector = _solve(best, vector, hypothesis, near if known is None else known)
         if passed or near is not None:
             # By now the vector is near the solution: no sensitivity has to be worked out again.
-            known = best.solved()
+            known = best.solved(vector)
         if near is not None and model.steady and _hopeless(best, vector, near):
             break
     return _summary(hypothesis, best, vector, fixed)

@@ -118,11 +118,11 @@ class Problem:
             ]
         )
 
-    def solved(self) -> "Solved":
+    def solved(self, vector: Array) -> "Solved":
         """Return the sensitivities at the solution, for a fit that begins near it."""
         if self.jacobian is None:
             raise ValueError("the problem has not been solved")
-        return Solved(self.keys, self.jacobian, self.row_scale())
+        return Solved(self.keys, self.jacobian, vector, self.row_scale())
 
     def distance(self, vector: Array) -> Array:
         """Return how far tolerated values are from nominal, in tolerances."""
@@ -147,12 +147,15 @@ class Solved:
         Name of each column.
     sensitivity : (n + t, m) array
         Of all weighted residuals and then of the distances of tolerated values.
+    vector : (m,) array
+        The solution, each unknown in its typical size.
     rows : (n,) array
         What each residual counted as one.
     """
 
     keys: Sequence[str]
     sensitivity: Array
+    vector: Array
     rows: Array
 
     def row_scale(self) -> Array:

@@ -10,6 +10,9 @@ from pneuservo.diagnosis.problem import Problem
 
 _STEP = 1e-4
 """Step of a difference, in units of the unknown's typical size."""
+STRAYED = 0.1
+"""Share of its size by which a parameter moves before its sensitivity is worked out anew: that of a
+spool at half its frequency has nothing in common with the one it began with."""
 
 
 class Known(Protocol):
@@ -22,6 +25,10 @@ class Known(Protocol):
     @property
     def sensitivity(self) -> Array:
         """Columns of weighted residuals and distances."""
+
+    @property
+    def vector(self) -> Array:
+        """Values of the unknowns, each in its typical size."""
 
     def row_scale(self) -> Array:
         """Return what each residual counts as one."""
@@ -40,7 +47,8 @@ class SteadySensitivity:
     Notes
     -----
     A chord method: what the rig's parameters do hardly changes with their values, so those
-    columns stay; only the columns of an effect that `known` lacks are worked out at each step.
+    columns stay until a parameter has strayed; only the columns of an effect that `known` lacks
+    are worked out at each step.
     """
 
     def __init__(self, problem: Problem, known: Known | None):
@@ -50,20 +58,25 @@ class SteadySensitivity:
         place = {} if known is None else {key: i for i, key in enumerate(known.keys)}
         missing = [i for i, key in enumerate(problem.keys) if key not in place]
         # Without a fit to start from the first call fills everything.
-        self._once, self._each = (missing, []) if known is None else ([], missing)
+        self._each = [] if known is None else missing
+        self._worked_out_at = np.full(len(problem.unknowns), np.inf)
+        # What begins at zero is an offset, and linear.
+        self._may_stray = problem.start != 0.0
         if known is not None:
             factor = known.row_scale() / problem.row_scale()
             for column, key in enumerate(problem.keys):
                 if key in place:
                     old = known.sensitivity[:rows, place[key]]
                     self._matrix[:rows, column] = old * factor
+                    self._worked_out_at[column] = known.vector[place[key]]
         for row, column in enumerate(problem.tolerated):
             self._matrix[rows + row, column] = problem.units[column] / problem.sigma[row]
 
     def __call__(self, vector: Array) -> Array:
         """Return the Jacobian at a vector of unknowns."""
-        columns = [*self._once, *self._each]
-        self._once = []
+        strayed = self._may_stray & (np.abs(vector - self._worked_out_at) > STRAYED)
+        strayed |= np.isinf(self._worked_out_at)
+        columns = sorted({*np.flatnonzero(strayed).tolist(), *self._each})
         if columns:
             here = self._problem.cost_vector(vector)
             _, high = self._problem.bounds
@@ -72,4 +85,5 @@ class SteadySensitivity:
                 step = _STEP if moved[column] + _STEP <= high[column] else -_STEP
                 moved[column] += step
                 self._matrix[:, column] = (self._problem.cost_vector(moved) - here) / step
+                self._worked_out_at[column] = vector[column]
         return self._matrix.copy()

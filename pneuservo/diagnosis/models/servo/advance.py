@@ -16,21 +16,16 @@ from pneuservo.plant.single_axis import (
     PLANT_STATES,
     PRESSURE_A,
     SPOOL,
-    SPOOL_RATE,
     STATES_WITH_CARD,
     VELOCITY,
 )
 
-# Against steps of 20 us the pressures of a random command differ by some 30 Pa (rms), a tenth of a
-# transducer's noise.
-_LARGEST_STEP = 500e-6
+# Against steps of 10 us the residuals of a random command differ by less than a tenth of the noise,
+# of a relay's by less than half. Steps that followed the motion would make them jump by as much
+# when a parameter is moved a little.
+_LARGEST_STEP = 250e-6
 # A small volume at the valve's end of a hose, a joint and a cushion are stiff.
 _LARGEST_STEP_OF_STIFF_EFFECTS = 100e-6
-
-ON_ITS_WAY = 0.02
-"""While a spool is farther from where it is told to be, as a share of full opening ..."""
-FINE_STEP = 250e-6
-"""... the chambers are followed with steps no longer than this [s]."""
 
 
 def longest_step_beside(effects: ServoEffects) -> float:
@@ -112,12 +107,8 @@ def advance(
         By how much the joint's mean push differs from that of both ends of the interval, and by
         how much its push has changed in it [m/s^2].
     """
-    valve = servo.plant.valve
     interval = time[k + 1] - time[k]
-    asked = min(max(drive[0, COMMAND] / valve.full_voltage, -1.0), 1.0)
-    way = abs(asked - state[SPOOL]) + abs(state[SPOOL_RATE]) / valve.spool_frequency
-    longest = min(longest_step, FINE_STEP) if way > ON_ITS_WAY else longest_step
-    steps = max(1, math.ceil(interval / longest - 1e-9))
+    steps = max(1, math.ceil(interval / longest_step - 1e-9))
     step = interval / steps
     begun = _joint(state, servo) if free else math.nan
     swung, before_step = 0.0, begun
