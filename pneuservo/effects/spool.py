@@ -56,11 +56,11 @@ SLEW = Effect(
     id="spool.slew",
     block=_BLOCK,
     rigs=_RIGS,
-    statement="The spool cannot move faster than a fixed rate; the model has no limit.",
-    equation="|xs'| <= rate",
+    statement="The valve's driver cannot follow faster than a fixed rate; the model has no limit.",
+    equation="xs = G(s) v; v follows u/5 V, |v'| <= rate",
     parameters=(
         EffectParameter(
-            "rate", "1/s", 0.0, 0.0, 1e3, (100.0, 170.0, 300.0, 550.0),
+            "rate", "1/s", 0.0, 0.0, 5e3, (100.0, 200.0, 400.0, 800.0, 1600.0),
             "full strokes per second; 0 for no limit", "spool.rate_limit",
         ),
     ),
@@ -86,14 +86,17 @@ STICTION = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement="The spool sticks after a rest until the command has moved on; the model slides.",
-    equation="xs'' = 0 while |u/5 V - xs| < breakaway (1 - exp(-rest/time)/2)",
+    equation=(
+        "xs = G(s) (u/5 V - brake sgn(xs')); xs' = 0 while |u/5 V - xs| < breakaway "
+        "(1 - exp(-rest/time)/2); brake is that without a rest"
+    ),
     parameters=(
         EffectParameter(
             "breakaway", "", 0.0, 0.0, 0.05, (0.01,), "command error it does not follow",
             "spool.stiction",
         ),
         EffectParameter(
-            "time", "s", 0.0, 0.0, 100.0, (0.1, 1.0), "rest over which it silts up",
+            "time", "s", 0.0, 0.0, 100.0, (0.3, 30.0), "rest over which it silts up",
             "spool.stiction_time",
         ),
     ),

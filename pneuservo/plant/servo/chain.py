@@ -17,13 +17,15 @@ from pneuservo.plant.servo.layout import (
     LAGGED_DISPLACEMENT,
     PLAY,
     SERVO_STATES,
+    SLEWED,
+    SLEWED_WHEN,
     SPOOL_STUCK,
     TIME,
 )
 from pneuservo.plant.servo.mechanics import force_and_piston, hanging_rates, mechanical_rates
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
 from pneuservo.plant.servo.sensor_effects import heard_motion
-from pneuservo.plant.servo.spool_effects import biased_with_play, spool_rates
+from pneuservo.plant.servo.spool_effects import biased_with_play, slewed, spool_rates
 from pneuservo.plant.servo.valve_side import supply_at_valve
 from pneuservo.plant.single_axis import (
     CARD_DERIVATIVE_1,
@@ -157,7 +159,25 @@ def motor_command(command, memory, rows, drive, elapsed, servo):
     """
     now = given(drive, TIME, elapsed)
     late = delayed_command(command, memory, rows, now, servo)
-    return biased_with_play(late, memory[PLAY], servo.plant.valve.full_voltage, servo.effects.spool)
+    return driving(late, memory, now - memory[SLEWED_WHEN], servo)
+
+
+@compiled
+def driving(command, memory, passed, servo):
+    """Return what drives the spool's motor, before the driver limits it [V].
+
+    Parameters
+    ----------
+    command : float
+        Into the valve driver, delayed [V].
+    memory, servo
+        As in `derivative`.
+    passed : float
+        Since the memory was last updated [s].
+    """
+    full, effects = servo.plant.valve.full_voltage, servo.effects.spool
+    output = slewed(command, memory[SLEWED], passed, full, effects)
+    return biased_with_play(output, memory[PLAY], full, effects)
 
 
 @compiled
@@ -237,7 +257,7 @@ def derivative(state, modes, memory, rows, drive, elapsed, servo, grid, rate):
         In SI; places as in `layout`. Six when no effect has a state of its own.
     modes : (3,) array of int
         What the piston is doing, the limit the spool is at, which way a relay is switched.
-    memory : (13,) array
+    memory : (15,) array
         What changes only from step to step; places as in `layout`.
     rows : (1024, 4) array
         The past that delays look up.

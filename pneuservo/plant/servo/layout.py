@@ -32,6 +32,8 @@ SERVO_STATES = STATES_WITH_CARD + 17
 
 # What changes only from step to step. The jets follow the order of the flow paths in `valve`.
 (
+    SLEWED,
+    SLEWED_WHEN,
     PLAY,
     SPOOL_STUCK,
     SPOOL_REST,
@@ -41,7 +43,7 @@ SERVO_STATES = STATES_WITH_CARD + 17
     BRISTLE_PLACE,
     NEWEST,
     FIRST_JET,
-) = range(9)
+) = range(11)
 MEMORY = FIRST_JET + 4
 
 # Columns of the past that delays look up.

@@ -3,9 +3,9 @@
 from pneuservo.plant.control_law import limited
 from pneuservo.plant.piston import is_moving
 from pneuservo.plant.presliding import presliding_step
-from pneuservo.plant.servo.chain import commanded_voltage, motor_command
+from pneuservo.plant.servo.chain import commanded_voltage
 from pneuservo.plant.servo.compilation import compiled, compiled_apart
-from pneuservo.plant.servo.drive import given
+from pneuservo.plant.servo.drive import delayed_command, given
 from pneuservo.plant.servo.layout import (
     BRISTLE,
     BRISTLE_PLACE,
@@ -19,12 +19,14 @@ from pneuservo.plant.servo.layout import (
     PAST_ROWS,
     PISTON_REST,
     PLAY,
+    SLEWED,
+    SLEWED_WHEN,
     SPOOL_REST,
     SPOOL_STUCK,
     TIME,
     WHEN,
 )
-from pneuservo.plant.servo.spool_effects import breakaway_of_spool
+from pneuservo.plant.servo.spool_effects import biased_with_play, breakaway_of_spool, slewed
 from pneuservo.plant.servo.valve_effects import jet_is_attached
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import (
@@ -56,9 +58,10 @@ def remember(state, modes, memory, rows, drive, elapsed, passed, servo, grid):
     """
     effects = servo.effects.spool
     if remembers(effects):
+        now = given(drive, TIME, elapsed)
         command = _driver_command(state, modes, memory, drive, elapsed, servo)
-        heard = motor_command(command, memory, rows, drive, elapsed, servo)
-        remember_spool(heard, state, memory, passed, servo)
+        late = delayed_command(command, memory, rows, now, servo)
+        remember_spool(late, now, state, memory, passed, servo)
     remember_beside_spool(state, modes, memory, rows, drive, elapsed, passed, servo, grid)
 
 
@@ -105,23 +108,24 @@ def remembers(effects):
 
 
 @compiled_apart
-def remember_spool(command, state, memory, passed, servo):
-    """Update where the play was left, whether stiction holds the spool, and how fast it may be.
+def remember_spool(command, now, state, memory, passed, servo):
+    """Update the driver's output, where the play was left and whether stiction holds the spool.
 
     Parameters
     ----------
     command : float
-        That moves the spool, from `pneuservo.plant.servo.chain.motor_command` [V].
+        Into the valve driver, delayed [V].
+    now : float
+        Time since the start of the run [s].
     state, memory, servo
         As in `pneuservo.plant.servo.chain.derivative`; the first two are changed.
     passed : float
         Length of the step [s].
     """
     effects, full = servo.effects.spool, servo.plant.valve.full_voltage
-    memory[PLAY] = command
-    if effects.rate_limit > 0.0:
-        # The step in which it comes up to its limit would carry it beyond.
-        state[SPOOL_RATE] = limited(state[SPOOL_RATE], effects.rate_limit)
+    output = slewed(command, memory[SLEWED], passed, full, effects)
+    memory[SLEWED], memory[SLEWED_WHEN] = output, now
+    memory[PLAY] = biased_with_play(output, memory[PLAY], full, effects)
     if effects.stiction == 0.0:
         return
     error = abs(limited(memory[PLAY], full) / full - state[SPOOL])
@@ -185,6 +189,7 @@ def begin(state, modes, memory, rows, drive, servo, grid):
         memory[i] = 0.0
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
     command = _driver_command(state, modes, memory, drive, 0.0, servo)
+    memory[SLEWED], memory[SLEWED_WHEN] = command, given(drive, TIME, 0.0)
     memory[PLAY] = command + servo.effects.spool.null_bias * servo.plant.valve.full_voltage
     if servo.effects.valve.attached_loss != 0.0:
         _remember_jets(state, memory, drive, 0.0, servo)

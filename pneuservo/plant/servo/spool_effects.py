@@ -20,7 +20,7 @@ class SpoolEffects(NamedTuple):
     acceleration_limit: float = 0.0
     """What the motor's largest force gives [1/s^2]; 0 for no limit."""
     rate_limit: float = 0.0
-    """Fastest travel [1/s]; 0 for no limit."""
+    """Fastest change of what drives the motor [1/s]; 0 for no limit."""
     stiction: float = 0.0
     """Command error that a spool does not follow after a long rest [-]."""
     stiction_time: float = 0.0
@@ -34,13 +34,40 @@ class SpoolEffects(NamedTuple):
 
 
 @compiled
+def slewed(command, before, passed, full_voltage, effects):
+    """Return the command that the driver's output has come to [V].
+
+    Parameters
+    ----------
+    command : float
+        Into the valve driver, delayed [V].
+    before : float
+        What its output was some time ago [V].
+    passed : float
+        That time [s].
+    full_voltage : float
+        Command at full opening [V].
+    effects : SpoolEffects
+        The effects.
+
+    Examples
+    --------
+    >>> slewed(5.0, 0.0, 1e-3, 5.0, SpoolEffects(rate_limit=100.0))
+    0.5
+    """
+    if effects.rate_limit > 0.0:
+        return before + limited(command - before, effects.rate_limit * full_voltage * passed)
+    return command
+
+
+@compiled
 def biased_with_play(command, play_position, full_voltage, effects):
     """Return the command that reaches the motor, after null bias and play [V].
 
     Parameters
     ----------
     command : float
-        Into the valve driver, delayed [V].
+        From `slewed` [V].
     play_position : float
         Where the play was left [V].
     full_voltage : float
@@ -66,6 +93,27 @@ def biased_with_play(command, play_position, full_voltage, effects):
 
 
 @compiled
+def breakaway_of_spool(rest, effects):
+    """Return the command error at which a spool at rest moves [-].
+
+    Parameters
+    ----------
+    rest : float
+        How long it has stood [s].
+    effects : SpoolEffects
+        The effects.
+
+    Notes
+    -----
+    Dry friction holds at once, and as much again as the spool silts up (Merritt 1967):
+    stiction (1 - exp(-rest/time)/2); without a time all at once.
+    """
+    if effects.stiction_time > 0.0:
+        return effects.stiction * (1.0 - 0.5 * math.exp(-rest / effects.stiction_time))
+    return effects.stiction
+
+
+@compiled
 def spool_rates(command, opening, opening_rate, pressure_share, stuck, valve, effects):
     """Return the rate of the spool [1/s] and its second derivative [1/s^2].
 
@@ -87,41 +135,20 @@ def spool_rates(command, opening, opening_rate, pressure_share, stuck, valve, ef
     Notes
     -----
     The flow force closes in proportion to opening and pressure drop (Blackburn, Reethof, Shearer
-    1960). Limits of acceleration and rate are those of the drive; both cut off sharply.
+    1960). Dry friction brakes a spool that moves as much as it holds one that has just come to
+    rest. The limit of acceleration is that of the motor, and cuts off sharply.
     """
     if stuck != 0.0:
         return 0.0, 0.0
     if effects.flow_force > 0.0:
         command -= effects.flow_force * opening * pressure_share * valve.full_voltage
+    if effects.stiction > 0.0 and opening_rate != 0.0:
+        braked = breakaway_of_spool(0.0, effects) * valve.full_voltage
+        command -= math.copysign(braked, opening_rate)
     acceleration = spool_acceleration(command, opening, opening_rate, valve)
     if effects.acceleration_limit > 0.0:
         acceleration = limited(acceleration, effects.acceleration_limit)
-    if effects.rate_limit > 0.0:
-        if abs(opening_rate) >= effects.rate_limit and acceleration * opening_rate > 0.0:
-            acceleration = 0.0
-        opening_rate = limited(opening_rate, effects.rate_limit)
     return opening_rate, acceleration
-
-
-@compiled
-def breakaway_of_spool(rest, effects):
-    """Return the command error at which a spool at rest moves [-].
-
-    Parameters
-    ----------
-    rest : float
-        How long it has stood [s].
-    effects : SpoolEffects
-        The effects.
-
-    Notes
-    -----
-    Dry friction holds at once, and as much again as the spool silts up (Merritt 1967):
-    stiction (1 - exp(-rest/time)/2); without a time all at once.
-    """
-    if effects.stiction_time > 0.0:
-        return effects.stiction * (1.0 - 0.5 * math.exp(-rest / effects.stiction_time))
-    return effects.stiction
 
 
 @compiled

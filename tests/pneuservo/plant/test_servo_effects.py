@@ -11,9 +11,14 @@ from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.gas import gas_mass_flow
 from pneuservo.plant.servo.drive import past
-from pneuservo.plant.servo.layout import COMMANDED, FLOWED_A, NEWEST, PAST_ROWS, WHEN, Servo
+from pneuservo.plant.servo.layout import COMMANDED, FLOWED_A, MEMORY, NEWEST, PAST_ROWS, WHEN, Servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
-from pneuservo.plant.servo.spool_effects import SpoolEffects, breakaway_of_spool, spool_rates
+from pneuservo.plant.servo.spool_effects import (
+    SpoolEffects,
+    breakaway_of_spool,
+    slewed,
+    spool_rates,
+)
 from pneuservo.plant.servo.stop_effects import StopEffects, bumper_force
 from pneuservo.plant.servo.transducers import play, read_pressures, true_motion, true_pressures
 from pneuservo.plant.servo.valve_effects import ValveEffects, in_series, pressure_behind
@@ -162,13 +167,48 @@ def test_orifices_in_series_pass_less_than_either():
     assert in_series(0.8, 1e-6, 1e-9) * 1e-6 == pytest.approx(1e-9, rel=1e-6)
 
 
-def test_the_drive_limits_acceleration_and_rate():
+def test_the_motor_limits_acceleration():
     free = spool_rates(5.0, 0.0, 0.0, 0.0, 0.0, PLANT.valve, SpoolEffects())
-    limits = SpoolEffects(acceleration_limit=1e5, rate_limit=50.0)
+    limits = SpoolEffects(acceleration_limit=1e5)
     assert free[1] > 1e6
     assert spool_rates(5.0, 0.0, 0.0, 0.0, 0.0, PLANT.valve, limits) == (0.0, 1e5)
-    assert spool_rates(5.0, 0.0, 80.0, 0.0, 0.0, PLANT.valve, limits) == (50.0, 0.0)
     assert spool_rates(5.0, 0.0, 80.0, 0.0, 1.0, PLANT.valve, limits) == (0.0, 0.0)
+
+
+def test_the_driver_follows_no_faster_than_its_rate():
+    limits = SpoolEffects(rate_limit=50.0)
+    # 50 full strokes of 5 V per second, for 2 ms, either way; a slower command is followed.
+    assert slewed(5.0, 1.0, 2e-3, 5.0, limits) == pytest.approx(1.5)
+    assert slewed(-5.0, 1.0, 2e-3, 5.0, limits) == pytest.approx(0.5)
+    assert slewed(1.2, 1.0, 2e-3, 5.0, limits) == 1.2
+    assert slewed(5.0, 1.0, 2e-3, 5.0, SpoolEffects()) == 5.0
+
+
+def test_a_spool_behind_a_slow_driver_runs_at_its_rate():
+    rate = 40.0
+    time = np.arange(0.0, 0.06, 1e-4)
+    command = np.where(time < 0.01, 0.0, 4.0)
+    rig = dataclasses.replace(RIG, effects={"spool.slew": {"rate": rate}})
+    start = InitialState(0.015)
+    run = simulate(rig, time=time, command=command, supply_pressure=6.5e5, initial=start)
+    # A ramp of 0.8 in 20 ms, behind which a spool of the second order lags by 2 zeta/w.
+    lag = 2.0 * PLANT.valve.spool_damping / PLANT.valve.spool_frequency
+    inner = (time > 0.015) & (time < 0.029)
+    expected = rate * (time[inner] - 0.01 - lag)
+    assert run["spool"][inner] == pytest.approx(expected, abs=2e-3)
+    assert run["spool"][-1] == pytest.approx(0.8, abs=1e-6)
+
+
+def test_dry_friction_stops_a_spool_short_of_its_command():
+    share = 0.02
+    effects = SpoolEffects(stiction=share)
+    moving, back = (
+        spool_rates(1.0, 0.1, speed, 0.0, 0.0, PLANT.valve, effects)[1]
+        - spool_rates(1.0, 0.1, speed, 0.0, 0.0, PLANT.valve, SpoolEffects())[1]
+        for speed in (1.0, -1.0)
+    )
+    braked = share * PLANT.valve.spool_frequency**2
+    assert (moving, back) == (pytest.approx(-braked), pytest.approx(braked))
 
 
 def test_silt_builds_up_with_the_rest():
@@ -179,7 +219,7 @@ def test_silt_builds_up_with_the_rest():
 
 
 def test_the_past_is_straight_between_its_rows_and_reaches_the_present():
-    rows, memory = np.zeros((PAST_ROWS, 4)), np.zeros(13)
+    rows, memory = np.zeros((PAST_ROWS, 4)), np.zeros(MEMORY)
     rows[:, WHEN] = -1e30
     for k in range(5):
         rows[k, WHEN], rows[k, FLOWED_A], rows[k, COMMANDED] = 0.1 * k, k, 1.0

@@ -3,10 +3,11 @@
 import math
 
 from pneuservo.plant.control_law import limited
+from pneuservo.plant.servo.chain import driving
 from pneuservo.plant.servo.compilation import compiled, compiled_apart
-from pneuservo.plant.servo.layout import PLAY, SPOOL_STUCK
+from pneuservo.plant.servo.layout import SPOOL_STUCK
 from pneuservo.plant.servo.memory import remember_spool, remembers
-from pneuservo.plant.servo.spool_effects import biased_with_play, spool_rates, travel_end
+from pneuservo.plant.servo.spool_effects import spool_rates, travel_end
 from pneuservo.plant.single_axis import SPOOL, SPOOL_RATE
 
 STEP = 125e-6
@@ -89,10 +90,9 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
         for _ in range(steps):
             _step(state, memory, command, rising, step, share, servo)
             command += step * rising
+            now += step
             if remembers(effects):
-                full = servo.plant.valve.full_voltage
-                moving = biased_with_play(command, memory[PLAY], full, effects)
-                remember_spool(moving, state, memory, step, servo)
+                remember_spool(command, now, state, memory, step, servo)
         now = end
 
 
@@ -103,9 +103,9 @@ def _step(state, memory, command, rising, step, share, servo):
     moved = sped = first = second = 0.0
     for stage in range(4):
         at = 0.0 if stage == 0 else step if stage == 3 else 0.5 * step
-        driving = biased_with_play(command + rising * at, memory[PLAY], valve.full_voltage, effects)
+        driven = driving(command + rising * at, memory, at, servo)
         first, second = spool_rates(
-            limited(driving, valve.full_voltage),
+            limited(driven, valve.full_voltage),
             opening + at * first,
             speed + at * second,
             share,

@@ -1,0 +1,76 @@
+"""The observer's spool goes its own way between the jumps of its command."""
+
+import numpy as np
+import pytest
+
+from pneuservo.diagnosis.models.servo.spool import arriving, move_spool
+from pneuservo.plant import from_rig
+from pneuservo.plant.control_law import OPEN_LOOP
+from pneuservo.plant.servo.layout import MEMORY, Servo
+from pneuservo.plant.servo.servo_effects import NEUTRAL
+from pneuservo.plant.servo.spool_effects import SpoolEffects
+from pneuservo.plant.single_axis import PLANT_STATES, SPOOL
+from pneuservo.rigs import load_rig
+
+PLANT = from_rig.single_axis(load_rig("single-axis"))
+VALVE = PLANT.valve
+TIME = np.arange(0.0, 0.02, 1e-3)
+JUMP = 0.006
+
+
+def openings(effects, voltage, ramped=False):
+    """Return where the spool is at every sample."""
+    servo = Servo(PLANT, NEUTRAL._replace(spool=effects), OPEN_LOOP)
+    state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
+    found = [0.0]
+    for k in range(len(TIME) - 1):
+        since, until = TIME[k], TIME[k + 1]
+        move_spool(state, memory, TIME, voltage, ramped, k, since, until, 0.0, servo)
+        found.append(state[SPOOL])
+    return np.array(found)
+
+
+def step_response(time):
+    """Return the reply of a spool of the second order to a step at zero, by its formula."""
+    w, damping = VALVE.spool_frequency, VALVE.spool_damping
+    swing = w * np.sqrt(1.0 - damping**2)
+    t = np.maximum(time, 0.0)
+    left = np.exp(-damping * w * t)
+    return 1.0 - left * (np.cos(swing * t) + damping * w / swing * np.sin(swing * t))
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.4e-3, 3.7e-3])
+def test_a_step_arrives_when_its_delay_has_passed(delay):
+    voltage = np.where(TIME > JUMP - 1e-9, 2.0, 0.0)
+    found = openings(SpoolEffects(delay=delay), voltage)
+    expected = 2.0 / VALVE.full_voltage * step_response(TIME - JUMP - delay)
+    assert found == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_delayed_ramp_is_a_ramp_that_began_later():
+    delay, slope = 1.3e-3, 100.0
+    voltage = slope * TIME
+    found = openings(SpoolEffects(delay=delay), voltage, ramped=True)
+    lag = 2.0 * VALVE.spool_damping / VALVE.spool_frequency
+    settled = TIME > 0.012
+    expected = slope / VALVE.full_voltage * (TIME - delay - lag)
+    assert found[settled] == pytest.approx(expected[settled], abs=1e-5)
+
+
+def test_before_the_first_sample_the_command_has_stood():
+    voltage = np.full(len(TIME), 3.0)
+    assert arriving(TIME, voltage, True, 0, -1.0) == (3.0, 0.0, 0.0)
+    assert openings(SpoolEffects(delay=5e-3), voltage)[1] > 0.1
+
+
+def test_the_far_end_of_the_travel_holds_it():
+    found = openings(SpoolEffects(extending_stop_loss=0.3), np.full(len(TIME), 5.0))
+    assert found.max() == found[-1] == pytest.approx(0.7)
+
+
+def test_a_spool_with_dry_friction_rests_within_it():
+    share = 0.02
+    voltage = np.where(TIME > JUMP - 1e-9, 2.0, 0.0)
+    found = openings(SpoolEffects(stiction=share), voltage)
+    assert found[-1] == found[-2]
+    assert abs(found[-1] - 0.4) <= share
