@@ -170,11 +170,15 @@ EXHAUST_BACK_PRESSURE = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement="A silencer throttles the exhaust; the model exhausts freely.",
-    equation="m_edge(p, pe) = area Cm(0) sqrt((pe^2 - p_atm^2)/T), pe the pressure behind the edge",
+    equation="volume/(n R T) pe' = m_edge(p, pe) - area Cm(0) sqrt((pe^2 - p_atm^2)/T)",
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 2e-5, (2e-6,), "effective area of the silencer; 0 for none",
             "valve.exhaust_area",
+        ),
+        EffectParameter(
+            "volume", "m**3", 2e-5, 3e-6, 3e-4, (2e-5,), "between both exhausts and the silencer",
+            "valve.exhaust_volume",
         ),
     ),
     source="Beater 2007, Pneumatic Drives",

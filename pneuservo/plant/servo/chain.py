@@ -257,7 +257,7 @@ def derivative(state, modes, memory, rows, drive, elapsed, servo, grid, rate):
         In SI; places as in `layout`. Six when no effect has a state of its own.
     modes : (3,) array of int
         What the piston is doing, the limit the spool is at, which way a relay is switched.
-    memory : (15,) array
+    memory : (16,) array
         What changes only from step to step; places as in `layout`.
     rows : (1024, 4) array
         The past that delays look up.

@@ -42,8 +42,9 @@ SERVO_STATES = STATES_WITH_CARD + 17
     BRISTLE,
     BRISTLE_PLACE,
     NEWEST,
+    EXHAUST,
     FIRST_JET,
-) = range(11)
+) = range(12)
 MEMORY = FIRST_JET + 4
 
 # Columns of the past that delays look up.

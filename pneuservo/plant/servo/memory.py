@@ -10,6 +10,7 @@ from pneuservo.plant.servo.layout import (
     BRISTLE,
     BRISTLE_PLACE,
     COMMANDED,
+    EXHAUST,
     FIRST_JET,
     FLOWED_A,
     FLOWED_B,
@@ -27,7 +28,7 @@ from pneuservo.plant.servo.layout import (
     WHEN,
 )
 from pneuservo.plant.servo.spool_effects import biased_with_play, breakaway_of_spool, slewed
-from pneuservo.plant.servo.valve_effects import jet_is_attached
+from pneuservo.plant.servo.valve_effects import jet_is_attached, silenced
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
@@ -85,6 +86,8 @@ def remember_beside_spool(state, modes, memory, rows, drive, elapsed, passed, se
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
     if effects.valve.attached_loss != 0.0:
         _remember_jets(state, memory, drive, elapsed, servo)
+    if effects.valve.exhaust_area > 0.0:
+        _remember_exhaust(state, memory, drive, elapsed, passed, servo, grid)
     if effects.spool.delay > 0.0 or effects.line.delay > 0.0:
         record(state, modes, memory, rows, drive, elapsed, servo, grid)
 
@@ -157,6 +160,14 @@ def _remember_jets(state, memory, drive, elapsed, servo):
 
 
 @compiled_apart
+def _remember_exhaust(state, memory, drive, elapsed, passed, servo, grid):
+    supply = supply_at_valve(state, drive, elapsed, servo)
+    flow_a, flow_b, drawn = valve_flows(state[SPOOL], state, memory, supply, servo, grid)
+    exhausted = drawn - flow_a - flow_b
+    memory[EXHAUST] = silenced(memory[EXHAUST], exhausted, passed, servo.plant, servo.effects.valve)
+
+
+@compiled_apart
 def record(state, modes, memory, rows, drive, elapsed, servo, grid):
     """Add the present command and flows to the past.
 
@@ -188,6 +199,7 @@ def begin(state, modes, memory, rows, drive, servo, grid):
     for i in range(memory.shape[0]):
         memory[i] = 0.0
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
+    memory[EXHAUST] = servo.plant.ambient_pressure
     command = _driver_command(state, modes, memory, drive, 0.0, servo)
     memory[SLEWED], memory[SLEWED_WHEN] = command, given(drive, TIME, 0.0)
     memory[PLAY] = command + servo.effects.spool.null_bias * servo.plant.valve.full_voltage

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from pneuservo.plant.gas import mass_flow_coefficient
+from pneuservo.plant.gas import gas_mass_flow, mass_flow_coefficient
 from pneuservo.plant.servo.compilation import compiled
 
 # Openings at which the lineariser's error is given; linear between, held outside.
@@ -42,7 +42,9 @@ class ValveEffects(NamedTuple):
     supply_warmth: float = 0.0
     """Supply air above the rig's temperature [K]."""
     exhaust_area: float = 0.0
-    """Effective area of a silencer behind each exhaust path [m^2]; 0 for none."""
+    """Effective area of a silencer behind both exhaust paths [m^2]; 0 for none."""
+    exhaust_volume: float = 2e-5
+    """Volume between them and the silencer [m^3]."""
     attached_loss: float = 0.0
     """Discharge coefficient lost while the jet is attached to the wall, relative [-]."""
     attach_ratio: float = 0.4
@@ -170,21 +172,21 @@ def in_series(coefficient, area, series_area):
 
 @compiled
 def pressure_behind(upstream, downstream, share, gas):
-    """Return the pressure between an edge of the valve and a throttle behind it [Pa].
+    """Return the pressure between an edge of the valve and a hose behind it [Pa].
 
     Parameters
     ----------
     upstream, downstream : float
-        Absolute pressures before the edge and behind the throttle: a silencer or a hose [Pa].
+        Absolute pressures before the edge and behind the hose [Pa].
     share : float
-        Effective area of the edge over that of the throttle [-].
+        Effective area of the edge over that of the hose [-].
     gas : Gas
         The gas.
 
     Notes
     -----
-    What passes the edge passes the throttle: share^2 (P^2 - ((Pe - b P)/(1 - b))^2) = Pe^2 - Pd^2,
-    the ellipse of ISO 6358 for the edge, and for the throttle a turbulent pipe's difference of
+    What passes the edge passes the hose: share^2 (P^2 - ((Pe - b P)/(1 - b))^2) = Pe^2 - Pd^2,
+    the ellipse of ISO 6358 for the edge, and for the hose a turbulent pipe's difference of
     squares (Beater 2007). Where Pe stays below b P the edge is choked and does not notice.
 
     Examples
@@ -205,6 +207,39 @@ def pressure_behind(upstream, downstream, share, gas):
     known = slope * bend * bend - share * share * upstream * upstream - downstream * downstream
     root = math.sqrt(slope * slope * bend * bend - (1.0 + slope) * known)
     return (slope * bend + root) / (1.0 + slope)
+
+
+@compiled
+def silenced(pressure, exhausted, passed, plant, effects):
+    """Return the pressure before a silencer some time later [Pa].
+
+    Parameters
+    ----------
+    pressure : float
+        What it was [Pa].
+    exhausted : float
+        Mass flow out of the valve [kg/s].
+    passed : float
+        The time [s].
+    plant : SingleAxis
+        The numbers of the rig.
+    effects : ValveEffects
+        With a silencer.
+
+    Notes
+    -----
+    V/(n R T) dPe/dt = m - area Cm(0) sqrt((Pe^2 - P_atm^2)/T), a turbulent pipe's difference of
+    squares (Beater 2007), by one step of the implicit rule: however small the volume, it comes to
+    rest where as much leaves as arrives.
+    """
+    gas, ambient = plant.gas, plant.ambient_pressure
+    rise = plant.polytropic_index * gas.gas_constant * gas.temperature
+    rise *= passed / effects.exhaust_volume
+    passes = gas_mass_flow(ambient, 0.0, effects.exhaust_area, 1.0, gas) / ambient
+    shut = max(pressure + rise * exhausted, ambient)
+    share = (rise * passes) ** 2
+    root = math.sqrt(share * (shut * shut + (share - 1.0) * ambient * ambient))
+    return (shut * shut + share * ambient * ambient) / (shut + root)
 
 
 @compiled

@@ -6,6 +6,7 @@ from pneuservo.plant.servo.chamber_effects import has_energy_balance
 from pneuservo.plant.servo.compilation import compiled
 from pneuservo.plant.servo.drive import given
 from pneuservo.plant.servo.layout import (
+    EXHAUST,
     FIRST_JET,
     PORT_PRESSURE_A,
     PORT_PRESSURE_B,
@@ -91,7 +92,7 @@ def path_flow(
     Notes
     -----
     `pneuservo.plant.valve.path_mass_flow` with effects as factors on the coefficient, and behind
-    the edge the pressure that a silencer or a hose keeps up.
+    the edge the pressure that a hose keeps up.
     """
     effects, plant = servo.effects, servo.plant
     valve, gas = plant.valve, plant.gas
@@ -101,11 +102,10 @@ def path_flow(
     factor *= area_factor(opening, exhausts, port_b, effects.valve)
     coefficient = factor * discharge_coefficient(path, volts, ratio, grid)
     hose = throttling_area(effects.line)
-    behind = effects.valve.exhaust_area if exhausts else hose
-    if behind > 0.0 and upstream > downstream:
+    if hose > 0.0 and upstream > downstream and not exhausts:
         end = downstream
         for _ in range(THROTTLE_PASSES):
-            downstream = pressure_behind(upstream, end, coefficient * open_area / behind, gas)
+            downstream = pressure_behind(upstream, end, coefficient * open_area / hose, gas)
             ratio = downstream / upstream
             coefficient = factor * discharge_coefficient(path, volts, ratio, grid)
     if exhausts or upstream < downstream:
@@ -161,12 +161,26 @@ def _from_supply(path, opening, area, supply, pressure, port_b, warm, memory, se
 
 
 @compiled
+def exhaust_pressure(memory, servo):
+    """Return the pressure at the exhaust port of the valve [Pa].
+
+    Parameters
+    ----------
+    memory, servo
+        As in `pneuservo.plant.servo.chain.derivative`.
+    """
+    if servo.effects.valve.exhaust_area > 0.0:
+        return memory[EXHAUST]
+    return servo.plant.ambient_pressure
+
+
+@compiled
 def _to_exhaust(path, opening, area, pressure, port_b, warm, memory, servo, grid):
-    ambient = servo.plant.ambient_pressure
-    source = warm if pressure >= ambient else servo.plant.gas.temperature
+    end = exhaust_pressure(memory, servo)
+    source = warm if pressure >= end else servo.plant.gas.temperature
     attached = memory[FIRST_JET + path]
     return path_flow(
-        path, opening, area, pressure, ambient, True, port_b, source, attached, servo, grid
+        path, opening, area, pressure, end, True, port_b, source, attached, servo, grid
     )
 
 
@@ -207,11 +221,11 @@ def valve_flows(opening, state, memory, supply, servo, grid):
         drawn = flow_b
     if effects.null_leakage > 0.0:
         share = null_leakage_share(opening, effects)
-        ambient, gas = plant.ambient_pressure, plant.gas
+        end, gas = exhaust_pressure(memory, servo), plant.gas
         gap = effects.null_leakage_laminar
         into_a = mixed_leak(supply, pa, share * valve.area_s_a, gap, gas)
         into_b = mixed_leak(supply, pb, share * valve.area_s_b, gap, gas)
-        flow_a += into_a - mixed_leak(pa, ambient, share * valve.area_a_e, gap, gas)
-        flow_b += into_b - mixed_leak(pb, ambient, share * valve.area_b_e, gap, gas)
+        flow_a += into_a - mixed_leak(pa, end, share * valve.area_a_e, gap, gas)
+        flow_b += into_b - mixed_leak(pb, end, share * valve.area_b_e, gap, gas)
         drawn += into_a + into_b
     return flow_a, flow_b, drawn

@@ -21,7 +21,7 @@ from pneuservo.plant.servo.spool_effects import (
 )
 from pneuservo.plant.servo.stop_effects import StopEffects, bumper_force
 from pneuservo.plant.servo.transducers import play, read_pressures, true_motion, true_pressures
-from pneuservo.plant.servo.valve_effects import ValveEffects, in_series, pressure_behind
+from pneuservo.plant.servo.valve_effects import ValveEffects, in_series, pressure_behind, silenced
 from pneuservo.plant.servo.valve_side import valve_flows
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import InitialState, simulate
@@ -160,6 +160,29 @@ def test_the_laminar_tail_is_a_straight_line_to_equal_pressures():
     flow = [flows(tail, pressure_a=6.5e5 * ratio)[0] for ratio in (0.9, 0.95, 0.975)]
     assert flow[0] == pytest.approx(flows(ValveEffects(), pressure_a=6.5e5 * 0.9)[0], rel=1e-9)
     assert flow[1:] == pytest.approx([flow[0] / 2.0, flow[0] / 4.0], rel=1e-9)
+
+
+@pytest.mark.parametrize("volume", [3e-6, 2e-5, 3e-4])
+def test_a_silencer_comes_to_rest_where_as_much_leaves_as_arrives(volume):
+    effects = ValveEffects(exhaust_area=2e-6, exhaust_volume=volume)
+    ambient, gas, flow = PLANT.ambient_pressure, PLANT.gas, 8e-4
+    pressure = ambient
+    for _ in range(20000):
+        pressure = silenced(pressure, flow, 5e-3, PLANT, effects)
+    passes = gas_mass_flow(ambient, 0.0, 2e-6, 1.0, gas) / ambient
+    assert passes * np.sqrt(pressure**2 - ambient**2) == pytest.approx(flow, rel=1e-9)
+    # Emptied, it comes back to the air outside, from above.
+    emptied = [pressure := silenced(pressure, 0.0, 1e-3, PLANT, effects) for _ in range(20000)]
+    assert min(emptied) >= ambient
+    assert emptied[-1] == pytest.approx(ambient, rel=1e-6)
+
+
+def test_what_flows_into_a_large_volume_raises_its_pressure():
+    effects = ValveEffects(exhaust_area=1e-12, exhaust_volume=3e-4)
+    gas, flow, passed = PLANT.gas, 1e-3, 1e-4
+    risen = silenced(PLANT.ambient_pressure, flow, passed, PLANT, effects) - PLANT.ambient_pressure
+    stiffness = PLANT.polytropic_index * gas.gas_constant * gas.temperature / 3e-4
+    assert risen == pytest.approx(stiffness * flow * passed, rel=1e-3)
 
 
 def test_orifices_in_series_pass_less_than_either():
