@@ -21,6 +21,8 @@ _ENOUGH = 1e-5
 """Relative drop of the sum of squares below which a fit from kept sensitivities ends."""
 _FEW_EVALUATIONS = 15
 _MOST_PASSES = 8
+_BEYOND = (-2.0, -1.0, 1.0, 2.0)
+"""Tolerances by which a parameter is moved to look beyond a ridge."""
 _SETTLED = 0.03
 """Relative change of the weights below which they have settled."""
 
@@ -72,20 +74,55 @@ def fit(
         best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
         if not best.unknowns:
             return _summary(hypothesis, best, np.empty(0), fixed)
-    vector = np.asarray(best.begin) / best.units
-    # The weights, and with them the intervals, follow from the misfit that is left.
-    known: Known | None = None
-    for passed in range(_MOST_PASSES if model.steady else 2):
-        before, best.scale = best.scale, _scales(best, vector)
-        if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in best.scale.items()):
+    vector = _settled(best, np.asarray(best.begin) / best.units, hypothesis, near)
+    if near is None and fixed is None:
+        beyond = _beyond_ridges(best, vector)
+        if beyond is not None:
+            vector = _settled(best, beyond, hypothesis, near)
+    return _summary(hypothesis, best, vector, fixed)
+
+
+def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit | None) -> Array:
+    """Return the solution with the weights that follow from the misfit that it leaves."""
+    steady, known = problem.model.steady, None
+    for passed in range(_MOST_PASSES if steady else 2):
+        before, problem.scale = problem.scale, _scales(problem, vector)
+        if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in problem.scale.items()):
             break
-        vector = _solve(best, vector, hypothesis, near if known is None else known)
+        vector = _solve(problem, vector, hypothesis, near if known is None else known)
         if passed or near is not None:
             # By now the vector is near the solution: no sensitivity has to be worked out again.
-            known = best.solved(vector)
-        if near is not None and model.steady and _hopeless(best, vector, near):
+            known = problem.solved(vector)
+        if near is not None and steady and _hopeless(problem, vector, near):
             break
-    return _summary(hypothesis, best, vector, fixed)
+    return vector
+
+
+def _beyond_ridges(problem: Problem, vector: Array) -> Array | None:
+    """Return values beyond a ridge of the sum of squares that leave less, where there are any.
+
+    All other unknowns follow as they would if they were linear.
+    """
+    keys, matrix = problem.keys, problem.jacobian
+    tolerated = problem.tolerated.tolist()
+    places = [i for i in tolerated if keys[i] in problem.model.ridges]
+    if not places or matrix is None:
+        return None
+    low, high = problem.bounds
+    least, best = float(np.sum(problem.cost_vector(vector) ** 2)), None
+    for place in places:
+        tolerance = problem.sigma[tolerated.index(place)] / problem.units[place]
+        others = np.delete(matrix, place, axis=1)
+        for away in _BEYOND:
+            moved = vector.copy()
+            moved[place] += away * tolerance
+            moved = np.clip(moved, low, high)
+            follow = np.linalg.lstsq(others, -problem.cost_vector(moved), rcond=None)[0]
+            moved = np.clip(moved + np.insert(follow, place, 0.0), low, high)
+            cost = float(np.sum(problem.cost_vector(moved) ** 2))
+            if cost < least:
+                least, best = cost, moved
+    return best
 
 
 def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:

@@ -141,6 +141,9 @@ class Model:
     tabulates: ClassVar[bool] = False
     """Whether tables may stand for what no effect explains."""
 
+    ridges: ClassVar[tuple[str, ...]] = ()
+    """Parameters on either side of whose value a fit may come to rest."""
+
     def __init__(self, without: frozenset[str] = frozenset()):
         self.without = without
 

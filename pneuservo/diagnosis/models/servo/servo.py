@@ -75,6 +75,8 @@ class ServoModel(Model):
     steady: ClassVar[bool] = True
     joint: ClassVar[bool] = True
     tabulates: ClassVar[bool] = True
+    # Whether a spool that swings beyond a large command hits the end of its travel.
+    ridges: ClassVar[tuple[str, ...]] = ("valve.spool.damping",)
 
     @property
     def effects(self) -> tuple[Effect, ...]:

@@ -13,7 +13,9 @@ from pneuservo.plant.single_axis import SPOOL, SPOOL_RATE
 STEP = 125e-6
 """Longest step of a spool that replies linearly: a tenth of its time constant [s]."""
 FINE_STEP = 25e-6
-"""Longest step where limits and stiction switch on and off [s]."""
+"""Longest step where limits and stiction switch on and off, and near the end of the travel [s]."""
+_NEAR_END = 0.03
+"""So far from it, and what it may move in a long step [-]."""
 _SAME_MOMENT = 1e-9
 
 
@@ -80,12 +82,13 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
     """
     effects = servo.effects.spool
     switching = effects.acceleration_limit + effects.rate_limit + effects.stiction
-    longest = FINE_STEP if switching > 0.0 else STEP
     now = since
     while now < until - _SAME_MOMENT:
         command, rising, goes_on = arriving(time, voltage, ramped, latest, now - effects.delay)
         end = min(until, goes_on + effects.delay)
-        steps = max(1, math.ceil((end - now) / longest - 1e-6))
+        reach = abs(state[SPOOL]) + STEP * abs(state[SPOOL_RATE]) + _NEAR_END
+        fine = switching > 0.0 or reach > travel_end(state[SPOOL], effects)
+        steps = max(1, math.ceil((end - now) / (FINE_STEP if fine else STEP) - 1e-6))
         step = (end - now) / steps
         for _ in range(steps):
             _step(state, memory, command, rising, step, share, servo)
@@ -97,13 +100,71 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
 
 
 @compiled
+def reached(place, speed, later_speed, step, end):
+    """Return after what part of a step the end of the travel is reached [s]; the step if it is not.
+
+    Parameters
+    ----------
+    place, speed, later_speed : float
+        Where the spool begins the step, how fast, and how fast it would end it, outwards
+        [-], [1/s].
+    step : float
+        Length of the step [s].
+    end : float
+        End of the travel [-].
+
+    Notes
+    -----
+    On the parabola through these. A spool that all but reaches the end is found to do so, or not,
+    with next to no consequence: residuals must not jump when a parameter moves a little.
+
+    Examples
+    --------
+    >>> reached(0.99, 100.0, 100.0, 125e-6, 1.0) < 1.01e-4
+    True
+    >>> reached(0.99, 100.0, -100.0, 125e-6, 1.0)
+    0.000125
+    """
+    gap = end - place
+    if gap <= 0.0:
+        return 0.0
+    slowing = (speed - later_speed) / step
+    root = speed * speed - 2.0 * slowing * gap
+    if root < 0.0 or speed + math.sqrt(root) <= 0.0:
+        return step
+    return min(2.0 * gap / (speed + math.sqrt(root)), step)
+
+
+@compiled
 def _step(state, memory, command, rising, step, share, servo):
+    """Move the spool by one step, inelastically onto the end of its travel if it gets there."""
+    place, speed = state[SPOOL], state[SPOOL_RATE]
+    _free_step(state, memory, 0.0, command, rising, step, share, servo)
+    side = 1.0 if state[SPOOL] > 0.0 else -1.0
+    end = travel_end(side, servo.effects.spool)
+    if side * place < end and side * state[SPOOL] < end and speed * state[SPOOL_RATE] >= 0.0:
+        return
+    until = reached(side * place, side * speed, side * state[SPOOL_RATE], step, end)
+    if until < step:
+        state[SPOOL], state[SPOOL_RATE] = side * end, 0.0
+        _free_step(state, memory, until, command, rising, step - until, share, servo)
+    if side * state[SPOOL] > end:
+        state[SPOOL], state[SPOOL_RATE] = side * end, 0.0
+
+
+@compiled
+def _free_step(state, memory, passed, command, rising, step, share, servo):
+    """Move the spool by one classical Runge-Kutta step, as if its travel had no end.
+
+    What it remembers and the command are of some time ago.
+    """
     valve, effects = servo.plant.valve, servo.effects.spool
     opening, speed = state[SPOOL], state[SPOOL_RATE]
     moved = sped = first = second = 0.0
     for stage in range(4):
         at = 0.0 if stage == 0 else step if stage == 3 else 0.5 * step
-        driven = driving(command + rising * at, memory, at, servo)
+        since = passed + at
+        driven = driving(command + rising * since, memory, since, servo)
         first, second = spool_rates(
             limited(driven, valve.full_voltage),
             opening + at * first,
@@ -118,7 +179,3 @@ def _step(state, memory, command, rising, step, share, servo):
         sped += weight / 6.0 * step * second
     state[SPOOL] = opening + moved
     state[SPOOL_RATE] = speed + sped
-    end = travel_end(state[SPOOL], effects)
-    if abs(state[SPOOL]) > end:
-        state[SPOOL] = math.copysign(end, state[SPOOL])
-        state[SPOOL_RATE] = 0.0
