@@ -74,3 +74,19 @@ def test_a_spool_with_dry_friction_rests_within_it():
     found = openings(SpoolEffects(stiction=share), voltage)
     assert found[-1] == found[-2]
     assert abs(found[-1] - 0.4) <= share
+
+
+def test_hardly_reaching_the_end_is_hardly_more_than_all_but_reaching_it():
+    damping = VALVE.spool_damping
+    overshoot = np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
+    grazing = VALVE.full_voltage / (1.0 + overshoot)
+    inside, beyond = (
+        openings(SpoolEffects(), np.full(len(TIME), level * grazing))
+        for level in (1.0 - 1e-8, 1.0 + 1e-8)
+    )
+    # It rests there some microseconds: it comes back by so much later.
+    assert np.abs(inside - beyond).max() < 1e-4
+    hit = openings(SpoolEffects(), np.full(len(TIME), 1.02 * grazing))
+    free = 1.02 * grazing / VALVE.full_voltage * step_response(TIME)
+    assert free.max() > 1.0 >= hit.max()
+    assert np.abs(hit - free).max() > 1e-3
