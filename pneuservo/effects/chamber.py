@@ -104,10 +104,10 @@ PORT_COVERING = Effect(
     equation="m = m_valve (1 - loss (1 - d/length)) within length of the end",
     parameters=(
         EffectParameter(
-            "loss", "", 0.0, 0.0, 0.99, (0.4,), "flow lost right at the end", "chamber.port_loss"
+            "loss", "", 0.0, 0.0, 0.99, (0.1,), "flow lost right at the end", "chamber.port_loss"
         ),
         EffectParameter(
-            "length", "m", 0.0, 1e-4, 0.01, (2e-3,), "over which it is covered",
+            "length", "m", 0.0, 1e-4, 0.01, (1e-3, 4e-3), "over which it is covered",
             "chamber.port_length",
         ),
     ),

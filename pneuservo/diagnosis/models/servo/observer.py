@@ -227,10 +227,13 @@ def observe(
         if free:
             # While it swung, the other forces were taken to stay as they had been.
             state[JOINT_RATE] -= 0.5 * interval * (now - last - shift)
-        lagged += (mean - lagged) * followed(interval, lag)
-        mean = lagged
+        # A transducer's lag lets go of what it held back: exact for a force that stays as it is.
+        let_go = followed(interval, lag)
+        held_back = lag * (lagged - mean)
         position += interval * velocity + 0.5 * interval * interval * mean
-        velocity += interval * mean
+        position += held_back * (interval - lag * let_go)
+        velocity += interval * mean + held_back * let_go
+        lagged += (mean - lagged) * let_go
         if held[k + 1]:
             position = motion[0, k + 1] - zeros[2] + behind[k + 1]
             velocity, lagged = motion[1, k + 1], motion[2, k + 1]
