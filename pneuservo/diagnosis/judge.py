@@ -169,21 +169,19 @@ class ByGain:
 
     def earns(self, name: str, closer: Fit, drop: float) -> bool:
         """Return whether a candidate explains more than chance, imitations and form would."""
-        if name.startswith("param."):
-            # What the form of an effect beside it leaves pulls at parameters too.
-            form = 0.0
-            if self.current.hypothesis.effects:
-                form = AS_GOOD * explained(self.baseline, self.current)
-            pretended = OVER_IMITATIONS * self.pretended(name, closer)
-            return drop > max(LEAST_DISTANCE, pretended, form)
-        if drop <= DECISIVE or self._too_small(name, closer):
-            return False
-        # Where the named law and the real one differ in form a little is always left.
-        first = not self.current.hypothesis.members
-        enough = first or self.share(closer) > SECOND_SHARE
-        return enough and explained(self.current, closer) > max(
-            LEAST_GAIN, OVER_IMITATIONS * self.pretended(name, closer)
-        )
+        explains, least = drop, LEAST_DISTANCE
+        if not name.startswith("param."):
+            if drop <= DECISIVE or self._too_small(name, closer):
+                return False
+            # Where the named law and the real one differ in form a little is always left ...
+            first = not self.current.hypothesis.members
+            if not first and self.share(closer) <= SECOND_SHARE:
+                return False
+            explains, least = explained(self.current, closer), LEAST_GAIN
+        if self.current.hypothesis.effects:
+            # ... which pulls at parameters, and at channels where little else shows, too.
+            least = max(least, AS_GOOD * explained(self.baseline, self.current))
+        return explains > max(least, OVER_IMITATIONS * self.pretended(name, closer))
 
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]

@@ -21,6 +21,8 @@ in its weights."""
 INSTEAD = 1.1
 """A table that explains so many times what the named effects do, in their place, leaves nothing of
 the names."""
+MANY_NAMES = 3
+"""So many names may have shared among them what a single thing does that has none."""
 WORTH_FITTING = 3
 """So many tables, those that promise most, are fitted ..."""
 LEAST_PROMISE = 0.2
@@ -177,20 +179,22 @@ def find_unexplained(
     Every table is simulated with every other knot, what the fitted parameters absorb is taken out,
     and those that promise most are simulated knot by knot and fitted: with one degree of freedom
     per knot, held against imitations of the recordings like any named effect. Only where something
-    is left beside the names a table may do better in their place.
+    is left beside the names, or there are many, a table may do better in their place.
     """
     beside = _best(model, cases, tables, chosen, copies, jobs)
-    if beside is None or not chosen.hypothesis.effects:
+    names = len(chosen.hypothesis.effects)
+    if not names:
         return beside
     named = explained(baseline, chosen)
-    if beside.gain < WORTH_SAYING * (beside.gain + named):
-        return None
-    instead = _best(model, cases, tables, baseline, copies, jobs)
-    if instead is not None:
-        by_names = explained(baseline, chosen, instead.fit)
-        if instead.gain > INSTEAD * by_names:
-            return replace(instead, instead=True)
-    return replace(beside, named_gain=named)
+    if beside is not None and beside.gain < WORTH_SAYING * (beside.gain + named):
+        beside = None
+    if beside is not None or names >= MANY_NAMES:
+        instead = _best(model, cases, tables, baseline, copies, jobs)
+        if instead is not None:
+            by_names = explained(baseline, chosen, instead.fit)
+            if instead.gain > INSTEAD * by_names:
+                return replace(instead, instead=True)
+    return None if beside is None else replace(beside, named_gain=named)
 
 
 def _best(
