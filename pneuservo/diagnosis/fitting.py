@@ -104,14 +104,14 @@ def _beyond_ridges(problem: Problem, vector: Array) -> Array | None:
     All other unknowns follow as they would if they were linear.
     """
     keys, matrix = problem.keys, problem.jacobian
-    tolerated = problem.tolerated.tolist()
-    places = [i for i in tolerated if keys[i] in problem.model.ridges]
-    if not places or matrix is None:
+    if not problem.model.ridges or matrix is None:
         return None
     low, high = problem.bounds
     least, best = float(np.sum(problem.cost_vector(vector) ** 2)), None
-    for place in places:
-        tolerance = problem.sigma[tolerated.index(place)] / problem.units[place]
+    for place, sigma in zip(problem.tolerated, problem.sigma, strict=True):
+        if keys[place] not in problem.model.ridges:
+            continue
+        tolerance = sigma / problem.units[place]
         others = np.delete(matrix, place, axis=1)
         for away in _BEYOND:
             moved = vector.copy()

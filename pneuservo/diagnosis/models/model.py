@@ -140,7 +140,6 @@ class Model:
     """Whether the unknowns of a recording's first case hold for all its cases."""
     tabulates: ClassVar[bool] = False
     """Whether tables may stand for what no effect explains."""
-
     ridges: ClassVar[tuple[str, ...]] = ()
     """Parameters on either side of whose value a fit may come to rest."""
 

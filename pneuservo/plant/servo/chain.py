@@ -187,8 +187,10 @@ def pressure_share(state, drive, elapsed, servo):
     Parameters
     ----------
     state, drive, elapsed, servo
-        As in `derivative`.
+        As in `derivative`; zero for a servo without a flow force, which alone feels it.
     """
+    if servo.effects.spool.flow_force == 0.0:
+        return 0.0
     supply = supply_at_valve(state, drive, elapsed, servo)
     charged, vented = state[PRESSURE_A], state[PRESSURE_B]
     if state[SPOOL] < 0.0:
@@ -213,14 +215,11 @@ def write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
         commanded_voltage(state, modes, memory, drive, elapsed, servo), servo.law.level
     )
     command = motor_command(command, memory, rows, drive, elapsed, servo)
-    share = 0.0
-    if servo.effects.spool.flow_force > 0.0:
-        share = pressure_share(state, drive, elapsed, servo)
     rate[SPOOL], rate[SPOOL_RATE] = spool_rates(
         limited(command, plant.valve.full_voltage),
         state[SPOOL],
         state[SPOOL_RATE],
-        share,
+        pressure_share(state, drive, elapsed, servo),
         memory[SPOOL_STUCK],
         plant.valve,
         servo.effects.spool,

@@ -3,7 +3,7 @@
 from pneuservo.plant.control_law import limited
 from pneuservo.plant.piston import is_moving
 from pneuservo.plant.presliding import presliding_step
-from pneuservo.plant.servo.chain import commanded_voltage
+from pneuservo.plant.servo.chain import commanded_voltage, driving
 from pneuservo.plant.servo.compilation import compiled, compiled_apart
 from pneuservo.plant.servo.drive import delayed_command, given
 from pneuservo.plant.servo.layout import (
@@ -27,7 +27,7 @@ from pneuservo.plant.servo.layout import (
     TIME,
     WHEN,
 )
-from pneuservo.plant.servo.spool_effects import biased_with_play, breakaway_of_spool, slewed
+from pneuservo.plant.servo.spool_effects import breakaway_of_spool, slewed
 from pneuservo.plant.servo.valve_effects import jet_is_attached, silenced
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import (
@@ -126,9 +126,9 @@ def remember_spool(command, now, state, memory, passed, servo):
         Length of the step [s].
     """
     effects, full = servo.effects.spool, servo.plant.valve.full_voltage
-    output = slewed(command, memory[SLEWED], passed, full, effects)
-    memory[SLEWED], memory[SLEWED_WHEN] = output, now
-    memory[PLAY] = biased_with_play(output, memory[PLAY], full, effects)
+    memory[PLAY] = driving(command, memory, passed, servo)
+    memory[SLEWED] = slewed(command, memory[SLEWED], passed, full, effects)
+    memory[SLEWED_WHEN] = now
     if effects.stiction == 0.0:
         return
     error = abs(limited(memory[PLAY], full) / full - state[SPOOL])

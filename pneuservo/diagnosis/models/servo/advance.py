@@ -5,7 +5,7 @@ import math
 from pneuservo.diagnosis.models.servo.spool import move_spool
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.chain import pressure_share
-from pneuservo.plant.servo.layout import COMMAND, JOINT, JOINT_RATE, SUPPLY, TIME
+from pneuservo.plant.servo.layout import JOINT, JOINT_RATE, SUPPLY, TIME
 from pneuservo.plant.servo.load_effects import joint_force, rigid_mass
 from pneuservo.plant.servo.mechanics import carried_rates
 from pneuservo.plant.servo.memory import remember_beside_spool
@@ -41,8 +41,8 @@ def longest_step_beside(effects: ServoEffects) -> float:
 
 
 @compiled
-def write_drive(drive, k, time, voltage, supply, ramped):
-    """Write what drives the chain from sample k on.
+def write_drive(drive, k, time, supply):
+    """Write what drives the chain from sample k on, but for the command: the spool goes before.
 
     Parameters
     ----------
@@ -50,14 +50,11 @@ def write_drive(drive, k, time, voltage, supply, ramped):
         Written: the inputs and their rates; columns as in `pneuservo.plant.servo.layout`.
     k : int
         The sample.
-    time, voltage, supply : (n,) array
-        [s], [V], [Pa].
-    ramped : bool
-        Whether the command runs straight between samples instead of being held.
+    time, supply : (n,) array
+        [s], [Pa].
     """
     interval = time[k + 1] - time[k]
-    drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = voltage[k], supply[k], time[k]
-    drive[1, COMMAND] = (voltage[k + 1] - voltage[k]) / interval if ramped else 0.0
+    drive[0, SUPPLY], drive[0, TIME] = supply[k], time[k]
     drive[1, SUPPLY] = (supply[k + 1] - supply[k]) / interval
     drive[1, TIME] = 1.0
 
@@ -93,7 +90,7 @@ def advance(
         Whether the piston gives way to the load behind a joint: the acceleration is then what it
         would be if the joint's force stayed as it is.
     time, voltage, ramped
-        As in `write_drive`.
+        As in `pneuservo.diagnosis.models.servo.spool.arriving`.
     k : int
         The sample at which the interval begins.
     longest_step : float
@@ -172,13 +169,12 @@ def _step(
     """Advance the state by one classical Runge-Kutta step, all of the motion straight in time."""
     rate, total, start = work[0], work[1], work[2]
     interval = time[k + 1] - time[k]
-    flow_force = servo.effects.spool.flow_force > 0.0
     start[:] = state
     total[:] = 0.0
     for stage in range(4):
         at = elapsed + (0.0 if stage == 0 else step if stage == 3 else 0.5 * step)
         if stage == 1 or stage == 3:
-            felt = pressure_share(state, drive, at, servo) if flow_force else 0.0
+            felt = pressure_share(state, drive, at, servo)
             moment = time[k] + at
             move_spool(
                 state, memory, time, voltage, ramped, k, moment - 0.5 * step, moment, felt, servo

@@ -162,7 +162,7 @@ def observe(
     error = np.zeros(3)
     for k in range(n - 1):
         interval = time[k + 1] - time[k]
-        write_drive(drive, k, time, voltage, supply, ramped)
+        write_drive(drive, k, time, supply)
         if learning:
             carry_on(
                 covariance,
