@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.compilation import compiled
 
 Array = NDArray[np.float64]
@@ -13,8 +14,10 @@ FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2] ..."""
 FORCE_CHANGE_TIME = 5e-3
 """... within this time [s]; the one that makes the recorded displacement likeliest is taken."""
-REST_CHANGE = 0.02
-"""The same of a piston that sticks, whatever the pressures do: presliding and creep [m/s^2]."""
+CREEP = (1e-6, 1e-5, 1e-4, 1e-3)
+"""Speeds at which a piston that sticks may creep, whatever the pressures do [m/s] ..."""
+CREEP_TIME = 5e-3
+"""... for this time [s]; again the likeliest is taken."""
 REST_TIME = 0.1
 """Time over which it has to look at rest [s] ..."""
 REST_FORCE = 3.0
@@ -40,7 +43,7 @@ def smooth_motion(
     displacement : (n,) array
         As measured; NaN where there is none [m].
     noise_rms : float
-        Its noise [m].
+        Its noise, whose zero wanders as that of any transducer [m].
     driving : (n,) array or None
         Acceleration that the measured pressures would give without friction [m/s^2].
     driving_rms : float
@@ -69,25 +72,30 @@ def smooth_motion(
     measured, variance = displacement - start, max(noise_rms, 1e-9) ** 2
     nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
 
-    def smoothed(rest: NDArray[np.bool_], change: float) -> tuple[Array, Array, Array]:
+    def smoothed(
+        rest: NDArray[np.bool_], change: float, creep: float
+    ) -> tuple[Array, Array, Array]:
         found: tuple[Array, Array, Array] = _smooth(
-            time, measured, variance, known, driving_rms**2, change, rest, friction
+            time, measured, variance, known, driving_rms**2, change, rest, creep, friction
         )
         return found
 
-    tried = ((smoothed(nowhere, change), change) for change in FORCE_CHANGES)
+    tried = ((smoothed(nowhere, change, 0.0), change) for change in FORCE_CHANGES)
     moving, change = max(tried, key=lambda found: float(np.sum(found[0][2])))
-    rest_likelihood = smoothed(everywhere, change)[2]
+    rest_likelihood = smoothed(everywhere, change, CREEP[-1])[2]
     interval = float(np.median(np.diff(time)))
     most = friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
     rest = _at_rest(rest_likelihood - moving[2], interval)
     rest[_largest(known, interval) > most] = False
-    states, variances, _ = smoothed(rest, change) if rest.any() else moving
+    states, variances, _ = moving
+    if rest.any():
+        resting = (smoothed(rest, change, creep) for creep in CREEP)
+        states, variances, _ = max(resting, key=lambda found: float(np.sum(found[2])))
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
     # A moving piston's velocity is as well known as it is on the whole.
     typical = float(np.median(moving[1]))
     velocity_rms = np.sqrt(np.where(rest, np.clip(variances, 0.0, typical), typical))
-    return states[:, 0] + start, states[:, 1], acceleration, velocity_rms
+    return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms
 
 
 def _at_rest(likelier: Array, interval: float) -> NDArray[np.bool_]:
@@ -126,68 +134,84 @@ def _averaged_samples(interval: float) -> int:
 
 
 @compiled
-def _transition(interval):
-    step = np.eye(3)
-    step[0, 1] = step[1, 2] = interval
-    step[0, 2] = 0.5 * interval**2
+def _transition(interval, rest):
+    """Return how displacement, velocity, acceleration and the transducer's zero go on."""
+    step = np.eye(4)
+    step[0, 1] = interval
+    if rest:
+        step[1, 1] = math.exp(-interval / CREEP_TIME)
+        step[2, 2] = 0.0
+    else:
+        step[0, 2] = 0.5 * interval**2
+        step[1, 2] = interval
+    step[3, 3] = math.exp(-interval / WANDER_TIME)
     return step
 
 
 @compiled
-def _smooth(time, measured, variance, driving, driving_variance, change, rest, friction):
+def _spread_out(spread, interval, driving_variance, change):
+    """Add what the noise of the driving force and a jumping disturbance make uncertain."""
+    h, wander = interval, change * change / FORCE_CHANGE_TIME
+    push = np.array([0.5 * h * h, h, 0.0])
+    for i in range(3):
+        for j in range(3):
+            spread[i, j] += driving_variance * push[i] * push[j]
+    walk = np.array([h**2.5 / 20.0**0.5, h**1.5 / 3.0**0.5, h**0.5])
+    # The exact covariance of an integrated random walk.
+    spread[0, 0] += wander * walk[0] ** 2
+    spread[0, 1] += wander * h**4 / 8.0
+    spread[1, 0] += wander * h**4 / 8.0
+    spread[0, 2] += wander * h**3 / 6.0
+    spread[2, 0] += wander * h**3 / 6.0
+    spread[1, 1] += wander * walk[1] ** 2
+    spread[1, 2] += wander * h**2 / 2.0
+    spread[2, 1] += wander * h**2 / 2.0
+    spread[2, 2] += wander * walk[2] ** 2
+
+
+@compiled
+def _smooth(time, measured, variance, driving, driving_variance, change, rest, creep, friction):
     n = time.shape[0]
-    predicted, filtered = np.zeros((n, 3)), np.zeros((n, 3))
-    spread_predicted, spread_filtered = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
-    state, likelihood = np.zeros(3), np.zeros(n)
-    spread = np.diag(np.array([1e-4, 1.0, 1e4]))
+    predicted, filtered = np.zeros((n, 4)), np.zeros((n, 4))
+    spread_predicted, spread_filtered = np.zeros((n, 4, 4)), np.zeros((n, 4, 4))
+    state, likelihood = np.zeros(4), np.zeros(n)
+    wandering = LIKELY_WANDER**2 * variance
+    spread = np.diag(np.array([1e-4, 1.0, 1e4, wandering]))
     for k in range(n):
         if k:
             h = time[k] - time[k - 1]
-            step = _transition(h)
-            change_here = REST_CHANGE if rest[k] else change
-            wander = change_here * change_here / FORCE_CHANGE_TIME
-            mean, uncertain = 0.0, 0.0
-            if not rest[k]:
-                mean, uncertain = 0.5 * (driving[k] + driving[k - 1]), driving_variance
+            step = _transition(h, rest[k])
             if rest[k] != rest[k - 1]:
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
             state = step @ state
-            state[0] += 0.5 * h * h * mean
-            state[1] += h * mean
             spread = step @ spread @ step.T
-            push = np.array([0.5 * h * h, h, 0.0])
-            for i in range(3):
-                for j in range(3):
-                    spread[i, j] += uncertain * push[i] * push[j]
-            walk = np.array([h**2.5 / 20.0**0.5, h**1.5 / 3.0**0.5, h**0.5])
-            # The exact covariance of an integrated random walk.
-            spread[0, 0] += wander * walk[0] ** 2
-            spread[0, 1] += wander * h**4 / 8.0
-            spread[1, 0] += wander * h**4 / 8.0
-            spread[0, 2] += wander * h**3 / 6.0
-            spread[2, 0] += wander * h**3 / 6.0
-            spread[1, 1] += wander * walk[1] ** 2
-            spread[1, 2] += wander * h**2 / 2.0
-            spread[2, 1] += wander * h**2 / 2.0
-            spread[2, 2] += wander * walk[2] ** 2
+            if rest[k]:
+                spread[1, 1] += creep * creep * (1.0 - step[1, 1] ** 2)
+                spread[2, 2] += (creep / CREEP_TIME) ** 2
+            else:
+                mean = 0.5 * (driving[k] + driving[k - 1])
+                state[0] += 0.5 * h * h * mean
+                state[1] += h * mean
+                _spread_out(spread, h, driving_variance, change)
+            spread[3, 3] += wandering * (1.0 - step[3, 3] ** 2)
         predicted[k] = state
         spread_predicted[k] = spread
         if measured[k] == measured[k]:
-            expected, error = spread[0, 0] + variance, measured[k] - state[0]
+            row = spread[0] + spread[3]
+            expected, error = row[0] + row[3] + variance, measured[k] - state[0] - state[3]
             likelihood[k] = -0.5 * (math.log(expected) + error * error / expected)
-            gain = spread[:, 0] / expected
+            gain = row / expected
             state = state + gain * error
-            row = spread[0].copy()
-            for i in range(3):
-                for j in range(3):
+            for i in range(4):
+                for j in range(4):
                     spread[i, j] -= gain[i] * row[j]
         filtered[k] = state
         spread_filtered[k] = spread
     velocity_variance = np.empty(n)
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
     for k in range(n - 2, -1, -1):
-        step = _transition(time[k + 1] - time[k])
+        step = _transition(time[k + 1] - time[k], rest[k + 1])
         back = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         filtered[k] = filtered[k] + back @ (filtered[k + 1] - predicted[k + 1])
         gained = back @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ back.T

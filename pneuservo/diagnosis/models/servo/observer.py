@@ -237,6 +237,10 @@ def observe(
         if held[k + 1]:
             position = motion[0, k + 1] - zeros[2] + behind[k + 1]
             velocity, lagged = motion[1, k + 1], motion[2, k + 1]
+        if not math.isfinite(position + state[PRESSURE_A] + state[PRESSURE_B]):
+            # Nothing is expected of a servo that ran away, and no reading is as expected.
+            left[:, k + 1 :] = math.inf
+            break
         error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
         error[2] = math.nan if held[k + 1] else readings[2, k + 1] - position - zeros[2]
