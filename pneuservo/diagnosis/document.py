@@ -370,7 +370,7 @@ def _cannot_separate(
 
 def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
     search, held_back = diagnosis.search, diagnosis.held_back
-    units = {case.channel: case.unit for case in search.cases}
+    units = {case.channel: case.unit for case in search.cases if case.recorded}
     noise = [
         np.full(len(r), level)
         for r, level in zip(search.baseline.residuals, search.noise, strict=True)

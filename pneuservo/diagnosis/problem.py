@@ -9,7 +9,6 @@ import numpy as np
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
 from pneuservo.diagnosis.models.model import Array, Values
-from pneuservo.diagnosis.noise import resolution
 
 _LEAST_SHARE = 1e-3
 """Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
@@ -73,7 +72,7 @@ class Problem:
 
     def resolution(self, channel: str) -> float:
         """Return the residual below which the fit of a channel is perfect [its unit]."""
-        return max(resolution(case.measured) for case in self.cases if case.channel == channel)
+        return max(case.resolution for case in self.cases if case.channel == channel)
 
     @property
     def bounds(self) -> tuple[Array, Array]:

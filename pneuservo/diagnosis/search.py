@@ -25,7 +25,7 @@ from pneuservo.diagnosis.judge import (
 )
 from pneuservo.diagnosis.ledger import Rival, Step, probabilities
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.noise import noise_floor, resolution
+from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promising
@@ -104,7 +104,7 @@ class Search:
             case.recording.noise_rms.get(case.channel, 0.0) / case.scale
             or max(
                 min(case.noise_rms, noise_floor(residual, case.recording.time[case.usable])),
-                resolution(case.measured),
+                case.resolution,
             )
             for case, residual in zip(self.cases, self.baseline.residuals, strict=True)
         ]

@@ -50,7 +50,8 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         None when there is nothing to compare and nothing without a name.
     """
     search = diagnosis.search
-    worst = int(np.argmax([float(np.mean(r**2)) for r in search.baseline.residuals]))
+    there = zip(search.cases, search.baseline.residuals, strict=True)
+    worst = int(np.argmax([float(np.mean(r**2)) if c.recorded else 0.0 for c, r in there]))
     shown = [("used", worst, search.cases[worst], search.baseline, diagnosis.repaired)]
     if diagnosis.before_held_back and diagnosis.after_held_back:
         pair = (diagnosis.before_held_back, diagnosis.after_held_back)

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.noise import resolution
 from pneuservo.effects import Effect, effects_of
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
@@ -106,6 +107,10 @@ class Case:
         The judged channel and its SI unit.
     scale : float
         What `measured` counts as one [SI]; 1 where the model has a single channel.
+    finest : float
+        Misfit below which the fit is perfect; 0 where the readings tell.
+    recorded : bool
+        Whether it is a channel of the recording, or follows from several.
     """
 
     recording: Recording
@@ -117,6 +122,13 @@ class Case:
     channel: str = ""
     unit: str = ""
     scale: float = 1.0
+    finest: float = 0.0
+    recorded: bool = True
+
+    @property
+    def resolution(self) -> float:
+        """Return the misfit below which the fit is perfect [unit of `measured`]."""
+        return self.finest or resolution(self.measured)
 
 
 class Model:

@@ -2,11 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
 from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
 from pneuservo.rigs import Rig
 
+UNEVEN = 0.05
+"""Share by which friction at rest differs from place to place."""
 PASSES = 2
 """Pressures estimated with a motion make the motion better, which makes the pressures better."""
 
@@ -40,7 +44,8 @@ def with_pressures(fed: Feed, rig: Rig) -> Feed:
         The baseline.
     """
     for _ in range(0 if all(fed.measured) else PASSES):
-        _, _, path, force_rms = learn_to_observe(fed, rig)
+        _, _, path, known = learn_to_observe(fed, rig)
+        force_rms = float(np.median(known[len(known) // 10 :]))
         pressures = fed.pressures.copy()
         for side, there in enumerate(fed.measured):
             if not there:
@@ -59,5 +64,6 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The baseline.
     """
-    gains, shares, _, _ = learn_to_observe(fed, rig)
-    return replace(fed, gains=gains, shares=shares, done=Recent())
+    gains, shares, _, known = learn_to_observe(fed, rig)
+    force_rms = np.hypot(known, UNEVEN * rig["piston.coulomb_friction"])
+    return replace(fed, gains=gains, shares=shares, force_rms=force_rms, done=Recent())

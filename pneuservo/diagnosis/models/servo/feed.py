@@ -18,6 +18,8 @@ from pneuservo.rigs import Rig
 Array = NDArray[np.float64]
 
 PRESSURES = ("pressure_a", "pressure_b")
+AT_REST = "friction at rest"
+"""What is judged beside the channels while friction holds the piston."""
 FOLLOWED = (*PRESSURES, "displacement")
 """Channels that the observer follows, in its order."""
 CHANNELS = (*FOLLOWED, "supply_pressure")
@@ -26,7 +28,7 @@ STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
 HELD_FOR = 8e-3
 """... for this long counts as held [s]."""
-AT_REST = 1.5
+NEVER_MOVES = 1.5
 """A piston never moves whose displacement spreads by less than this many times its noise."""
 SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
@@ -70,6 +72,8 @@ class Feed:
         While the piston may touch a stop, and while it moves there.
     resting : (n,) array of int
         At which stop it rests: -1 the retracted, 1 the extended, 0 none.
+    stuck : (n,) array of bool
+        While nothing but friction holds the piston.
     spread : (2, n) array
         Variance that each interval adds to what is known of each pressure [Pa^2].
     noise : mapping of str to float
@@ -80,6 +84,8 @@ class Feed:
         What each error of expectation corrects, in the observer.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
+    force_rms : (n,) array
+        How well both pressures tell the force that friction has to hold [N].
     done : Recent
         Results of the last few runs, one for all channels.
     """
@@ -101,11 +107,13 @@ class Feed:
     touching: NDArray[np.bool_]
     striking: NDArray[np.bool_]
     resting: NDArray[np.int64]
+    stuck: NDArray[np.bool_]
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
+    force_rms: Array = field(default_factory=lambda: np.empty(0), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
 
     def noise_of(self, channels: Sequence[str]) -> Array:
@@ -158,6 +166,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         touching=np.zeros(len(time), dtype=bool),
         striking=np.zeros(len(time), dtype=bool),
         resting=np.zeros(len(time), dtype=np.int64),
+        stuck=np.zeros(len(time), dtype=bool),
         spread=np.zeros((2, len(time))),
         noise=noise,
         spread_of_force=spread_of_force,
@@ -184,7 +193,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         gauge = fed.pressures - rig["ambient.pressure"]
         driving = (areas[0] * gauge[0] - areas[1] * gauge[1] - fed.force) / mass
         driving += rig["load.gravity"]
-    *smoothed, velocity_rms = smooth_motion(
+    *smoothed, velocity_rms, rest = smooth_motion(
         fed.time,
         fed.reading,
         fed.noise["displacement"],
@@ -195,12 +204,13 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     motion, moving = np.array(smoothed), float(np.max(velocity_rms))
     reversal = max(moving, SLOWEST_MOTION)
     velocity_rms = np.where(velocity_rms < moving, velocity_rms, reversal)
-    if np.nanstd(fed.reading) < AT_REST * fed.noise["displacement"]:
+    if np.nanstd(fed.reading) < NEVER_MOVES * fed.noise["displacement"]:
         # Of a piston that never moves only noise would be taken for motion.
         motion = np.array(
             [np.full_like(fed.time, np.mean(motion[0])), *np.zeros((2, len(fed.time)))]
         )
         velocity_rms = np.zeros_like(fed.time)
+        rest = np.ones(len(fed.time), dtype=bool)
     interval = float(np.median(np.diff(fed.time)))
     stroke, slow = rig["piston.stroke"], STICKING * reversal
     near, still = touching(motion[0], interval, stroke), _held(motion[1], slow, interval)
@@ -218,6 +228,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         touching=near,
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
+        stuck=rest & still & ~near & (rests == 0) & all(fed.measured),
         done=Recent(),
     )
     return replace(moved, spread=_spread(moved, rig))

@@ -95,6 +95,8 @@ def imitated(
         pressures=copy.pressures,
         pressure_rates=copy.pressure_rates,
         supply_reading=copy.supply_reading,
+        # It comes to rest at times of its own.
+        stuck=copy.stuck & fed.stuck,
         done=Recent(),
     )
 

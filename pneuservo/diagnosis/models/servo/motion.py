@@ -21,7 +21,8 @@ CREEP_TIME = 5e-3
 REST_TIME = 0.1
 """Time over which it has to look at rest [s] ..."""
 REST_FORCE = 3.0
-"""... and over which the pressures' force may exceed the Coulomb friction, in its own noise."""
+"""... and over which the pressures' force may swing by more than all of the Coulomb friction, in
+its own noise: in chatter too a piston moves by less than its displacement's noise."""
 FORCE_SMOOTHING = 5e-3
 """Time over which their force is averaged [s]."""
 
@@ -33,7 +34,7 @@ def smooth_motion(
     driving: Array | None,
     driving_rms: float,
     friction: float,
-) -> tuple[Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
     """Return displacement, velocity and acceleration without the displacement's noise.
 
     Parameters
@@ -57,6 +58,8 @@ def smooth_motion(
         [m], [m/s], [m/s^2].
     velocity_rms : (n,) array
         How well the velocity is known [m/s].
+    rest : (n,) array of bool
+        While the piston rests.
 
     Notes
     -----
@@ -84,9 +87,9 @@ def smooth_motion(
     moving, change = max(tried, key=lambda found: float(np.sum(found[0][2])))
     rest_likelihood = smoothed(everywhere, change, CREEP[-1])[2]
     interval = float(np.median(np.diff(time)))
-    most = friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
+    most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
     rest = _at_rest(rest_likelihood - moving[2], interval)
-    rest[_largest(known, interval) > most] = False
+    rest[_swing(known, interval) > most] = False
     states, variances, _ = moving
     if rest.any():
         resting = (smoothed(rest, change, creep) for creep in CREEP)
@@ -95,7 +98,7 @@ def smooth_motion(
     # A moving piston's velocity is as well known as it is on the whole.
     typical = float(np.median(moving[1]))
     velocity_rms = np.sqrt(np.where(rest, np.clip(variances, 0.0, typical), typical))
-    return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms
+    return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms, rest
 
 
 def _at_rest(likelier: Array, interval: float) -> NDArray[np.bool_]:
@@ -106,12 +109,13 @@ def _at_rest(likelier: Array, interval: float) -> NDArray[np.bool_]:
     return np.asarray(uniform_filter1d(likelier, width, mode="nearest") > 0.0)
 
 
-def _largest(driving: Array, interval: float) -> Array:
-    """Return the largest averaged size around each sample."""
-    from scipy.ndimage import maximum_filter1d
+def _swing(driving: Array, interval: float) -> Array:
+    """Return from where to where the averaged force goes around each sample."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     width = max(1, round(REST_TIME / interval))
-    return np.asarray(maximum_filter1d(np.abs(averaged_force(driving, interval)), width))
+    smooth = averaged_force(driving, interval)
+    return np.asarray(maximum_filter1d(smooth, width) - minimum_filter1d(smooth, width))
 
 
 def averaged_force(force: Array, interval: float) -> Array:

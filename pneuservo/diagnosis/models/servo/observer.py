@@ -19,7 +19,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
     take_over,
     weigh,
 )
-from pneuservo.diagnosis.models.servo.push import friction_direction, push
+from pneuservo.diagnosis.models.servo.push import excess_at_rest, friction_direction, push
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
@@ -55,6 +55,7 @@ def observe(
     external_force,
     held,
     resting,
+    stuck,
     velocity_rms,
     reversal,
     variance,
@@ -91,6 +92,8 @@ def observe(
         tells nothing ...
     resting : (n,) array of int
         ... unless it is pressed on the retracted (-1) or extended (1) stop, whose place is known.
+    stuck : (n,) array of bool
+        While nothing but friction holds the piston.
     velocity_rms : (n,) array
         How well the velocity is known that is taken over [m/s].
     reversal : float
@@ -126,6 +129,8 @@ def observe(
         Standard deviation of the force that they give; zeros unless learning [N].
     drawn : (n,) array
         Mass flow out of the supply [kg/s].
+    excess : (n,) array
+        Force on a stuck piston beyond what friction can hold; 0 where it holds [N].
 
     Notes
     -----
@@ -139,6 +144,7 @@ def observe(
     """
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
+    excess, rested = np.zeros(n), 0.0
     state = initial_state.copy()
     modes = np.zeros(3, np.int64)
     modes[SPOOL_LIMIT] = SPOOL_FREE
@@ -240,6 +246,7 @@ def observe(
         if not math.isfinite(position + state[PRESSURE_A] + state[PRESSURE_B]):
             # Nothing is expected of a servo that ran away, and no reading is as expected.
             left[:, k + 1 :] = math.inf
+            excess[k + 1 :] = math.inf
             break
         error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
@@ -281,7 +288,10 @@ def observe(
         given -= piston.viscous_friction * moved[SPEED] / slope
         last = now + given / mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
-    return left, path, known, drawn
+        rested = rested + interval if stuck[k + 1] else 0.0
+        if stuck[k + 1]:
+            excess[k + 1] = excess_at_rest(time[k + 1], state, rested, external_force[k + 1], servo)
+    return left, path, known, drawn, excess
 
 
 @compiled

@@ -5,7 +5,11 @@ import numpy as np
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.presliding import presliding_state
-from pneuservo.plant.servo.friction_effects import friction_levels, viscous_excess
+from pneuservo.plant.servo.friction_effects import (
+    breakaway_gain,
+    friction_levels,
+    viscous_excess,
+)
 from pneuservo.plant.servo.load_effects import rigid_mass, spring_force, tilt_force
 from pneuservo.plant.servo.mechanics import carried_force
 from pneuservo.plant.servo.stop_effects import bumper_force
@@ -67,19 +71,58 @@ def push(
         The numbers of rig and effects.
     """
     plant, effects = servo.plant, servo.effects
-    piston, friction, load = plant.piston, effects.friction, effects.load
-    place, pressure_a, pressure_b = state[DISPLACEMENT], state[PRESSURE_A], state[PRESSURE_B]
-    extending, retracting = friction_levels(
-        piston.coulomb_friction,
-        place,
+    extending, retracting = dry_friction(time, state, speed, servo)
+    force = acting_force(time, state, speed, external_force, servo)
+    force -= viscous_excess(speed, felt, plant.piston.viscous_friction, time, effects.friction)
+    force -= (extending if direction > 0.0 else retracting) * direction
+    return force / rigid_mass(plant.piston.mass, effects.load)
+
+
+@compiled
+def excess_at_rest(time, state, rested, external_force, servo):
+    """Return by how much the force on a piston at rest exceeds what friction can hold [N].
+
+    Parameters
+    ----------
+    time, state, external_force, servo
+        As for `push`.
+    rested : float
+        How long it has been at rest [s].
+
+    Returns
+    -------
+    float
+        Positive where it should extend; 0 where friction holds it.
+    """
+    extending, retracting = dry_friction(time, state, 0.0, servo)
+    force = acting_force(time, state, 0.0, external_force, servo)
+    gained = breakaway_gain(rested, servo.effects.friction)
+    return max(force - extending - gained, 0.0) + min(force + retracting + gained, 0.0)
+
+
+@compiled
+def dry_friction(time, state, speed, servo):
+    """Return the friction that does not depend on viscosity, extending and retracting [N]."""
+    plant = servo.plant
+    return friction_levels(
+        plant.piston.coulomb_friction,
+        state[DISPLACEMENT],
         speed,
-        pressure_a,
-        pressure_b,
+        state[PRESSURE_A],
+        state[PRESSURE_B],
         plant.ambient_pressure,
-        piston.stroke,
+        plant.piston.stroke,
         time,
-        friction,
+        servo.effects.friction,
     )
+
+
+@compiled
+def acting_force(time, state, speed, external_force, servo):
+    """Return the force on the piston but for dry and extra viscous friction [N]."""
+    plant, effects = servo.plant, servo.effects
+    piston, load = plant.piston, effects.load
+    place, pressure_a, pressure_b = state[DISPLACEMENT], state[PRESSURE_A], state[PRESSURE_B]
     force = driving_force(
         pressure_a, pressure_b, speed, external_force, plant.ambient_pressure, piston
     )
@@ -89,6 +132,4 @@ def push(
         force += carried_force(state, servo)
     force += bumper_force(place, speed, piston.stroke, effects.stop)
     force += unexplained_force(place, speed, pressure_a, pressure_b, state[SPOOL], time, effects)
-    force -= viscous_excess(speed, felt, piston.viscous_friction, time, friction)
-    force -= (extending if direction > 0.0 else retracting) * direction
-    return force / rigid_mass(piston.mass, load)
+    return force

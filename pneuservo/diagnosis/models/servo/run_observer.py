@@ -105,8 +105,9 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
 
     Returns
     -------
-    (4, n) array
-        As the transducers read them; zeros where nothing was measured.
+    (5, n) array
+        As the transducers read them; zeros where nothing was measured. The last row is the force
+        beyond what friction can hold while it holds the piston, in how well that force is known.
 
     Notes
     -----
@@ -114,14 +115,17 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     own channel alone.
     """
     known = numbers(values, rig)
-    left, _, _, drawn = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    left, _, _, drawn, excess = _observe(
+        fed, values, known, rig, fed.gains, fed.shares, learning=False
+    )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
     left = np.clip(np.nan_to_num(left, nan=np.inf), -farthest, farthest)
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
         beyond = beyond_wander(fed.time, fed.supply_reading - expected)
-    return np.vstack([left, beyond])
+    slipping = np.clip(excess / np.maximum(fed.force_rms, 1e-9), -ASTRAY, ASTRAY)
+    return np.vstack([left, beyond, np.nan_to_num(slipping, nan=ASTRAY)])
 
 
 def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
@@ -133,7 +137,7 @@ def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
         As in `run_observer`, of a recording in which the supply was measured.
     """
     known = numbers(values, rig)
-    *_, drawn = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    *_, drawn, _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
     return _expected_supply(fed, values, known, drawn)
 
 
@@ -145,7 +149,7 @@ def _expected_supply(
     return expected_supply(fed.time, level, drawn, plant, effects.supply)
 
 
-def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
+def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array]:
     """Return the observer's gains for the baseline, and what it finds on its way.
 
     Parameters
@@ -163,13 +167,13 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, float]:
         Noise of each reading over the spread of its innovation.
     pressures : (2, n) array
         As followed [Pa].
-    force_rms : float
+    force_rms : (n,) array
         How well they tell the force on the piston [N].
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, GAIN_ROWS, 3)), np.zeros((samples, 3))
-    _, path, known, _ = _observe(fed, {}, numbers({}, rig), rig, gains, shares, learning=True)
-    return gains, shares, path, float(np.median(known[samples // 10 :]))
+    _, path, known, *_ = _observe(fed, {}, numbers({}, rig), rig, gains, shares, learning=True)
+    return gains, shares, path, known
 
 
 def _observe(
@@ -180,7 +184,7 @@ def _observe(
     gains: Array,
     shares: Array,
     learning: bool,
-) -> tuple[Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array]:
     plant, effects = known
     if fed.supply is not None:
         effects = effects._replace(supply=SupplyEffects())
@@ -189,7 +193,7 @@ def _observe(
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    found: tuple[Array, Array, Array, Array] = observe(
+    found: tuple[Array, Array, Array, Array, Array] = observe(
         fed.time,
         fed.voltage,
         fed.ramped,
@@ -200,6 +204,7 @@ def _observe(
         fed.force + values.get(ZERO_FORCE, 0.0),
         fed.held,
         fed.resting,
+        fed.stuck,
         fed.velocity_rms,
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.noise_of(FOLLOWED) ** 2,

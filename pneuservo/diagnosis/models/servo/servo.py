@@ -11,6 +11,7 @@ from pneuservo.diagnosis.hum import hum_in
 from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
 from pneuservo.diagnosis.models.servo.feed import (
+    AT_REST,
     CHANNELS,
     FOLLOWED,
     PRESSURES,
@@ -27,6 +28,7 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     ZERO_FORCE,
     run_observer,
 )
+from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
@@ -43,10 +45,13 @@ _JUDGED = (
 )
 _FEWEST = 50
 """Samples below which a channel is not judged: a piston that rests all the time tells nothing."""
+_FEWEST_RESTS = 4
+"""Moments below which the force on a piston at rest is not judged."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
 _HUM_PASSES = 2
+_ROWS = (*CHANNELS, AT_REST)
 _PLACE = CHANNELS.index("displacement")
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
@@ -122,6 +127,23 @@ class ServoModel(Model):
                     noise,
                 )
             )
+        at_rest = judged_at_rest(fed.stuck, recording.sampling_interval)
+        if np.count_nonzero(at_rest) >= _FEWEST_RESTS:
+            given = {"feed": fed, "leads": not found, "recorded": recorded}
+            found.append(
+                Case(
+                    recording,
+                    np.zeros_like(fed.time),
+                    given,
+                    1.0,
+                    rig,
+                    at_rest,
+                    AT_REST,
+                    "",
+                    finest=1.0,
+                    recorded=False,
+                )
+            )
         if not found:
             raise InputError(
                 f"{recorded.source or recorded.name}: the piston does not move and no pressure "
@@ -184,7 +206,7 @@ class ServoModel(Model):
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged channel as expected from its surroundings and its own past."""
         fed: Feed = case.inputs["feed"]
-        left = _innovations(fed, values, case.rig)[CHANNELS.index(case.channel)]
+        left = _innovations(fed, values, case.rig)[_ROWS.index(case.channel)]
         expected: Array = case.measured - left / case.scale
         return expected
 
@@ -215,6 +237,8 @@ class ServoModel(Model):
                 reading = copy.pressures[PRESSURES.index(case.channel)]
             elif case.channel == "supply_pressure":
                 reading = copy.supply_reading
+            elif case.channel == AT_REST:
+                reading = case.measured
             found.append(
                 replace(case, measured=reading / case.scale, inputs={**case.inputs, "feed": copy})
             )
@@ -233,7 +257,7 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
     fed = _fed(recording, rig, ramped)
     for _ in range(_HUM_PASSES):
         noise = fed.noise_of(CHANNELS)
-        left = run_observer(fed, {}, rig) / noise[:, np.newaxis]
+        left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
         shares = np.vstack([fed.shares.T, np.ones_like(fed.time)])
         # While the piston sticks it is not judged, but there hum shows best.
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]

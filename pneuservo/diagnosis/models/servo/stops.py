@@ -1,4 +1,4 @@
-"""When the piston strikes a stop, and when it rests at one."""
+"""When the piston strikes a stop, when it rests at one, and when friction holds it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ PRESSED = 2.0
 """A piston that rests though it is pushed by so many times its friction is held by a stop."""
 PRESSED_FOR = 0.05
 """Time for which it has to be [s]."""
+UNSURE = 0.015
+"""When a rest begins and ends is known to within this [s]."""
+APART = 0.1
+"""The force on a piston at rest is judged this often: its error is that of the zeros [s]."""
 
 
 def around(moments: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
@@ -78,3 +82,32 @@ def resting(
     extended = still & (push > PRESSED * friction) & (displacement > stroke - FARTHEST)
     found = binary_opening(extended, window).astype(np.int64)
     return np.asarray(found - binary_opening(retracted, window))
+
+
+def judged_at_rest(stuck: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
+    """Return the moments at which the force on a piston at rest is judged.
+
+    Parameters
+    ----------
+    stuck : (n,) array of bool
+        While nothing but friction holds it.
+    interval : float
+        Of the samples [s].
+
+    Returns
+    -------
+    (n,) array of bool
+        Of each rest the moment before it ends, when the force is largest, and some before that.
+
+    Examples
+    --------
+    >>> stuck = (np.arange(500) > 99) & (np.arange(500) < 400)
+    >>> np.flatnonzero(judged_at_rest(stuck, 1e-3)).tolist()
+    [184, 284, 384]
+    """
+    unsure, apart = round(UNSURE / interval), max(1, round(APART / interval))
+    found = np.zeros(len(stuck), dtype=bool)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        found[np.arange(end - 1 - unsure, begin + unsure - 1, -apart)] = True
+    return found
