@@ -25,6 +25,7 @@ from pneuservo.diagnosis.judge import (
 )
 from pneuservo.diagnosis.ledger import Rival, Step, probabilities
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
@@ -101,11 +102,7 @@ class Search:
         whichever is lower: what the baseline explains, a jump for example, is no noise.
         """
         return [
-            case.recording.noise_rms.get(case.channel, 0.0) / case.scale
-            or max(
-                min(case.noise_rms, noise_floor(residual, case.recording.time[case.usable])),
-                case.resolution,
-            )
+            _noise_of(case, residual)
             for case, residual in zip(self.cases, self.baseline.residuals, strict=True)
         ]
 
@@ -465,3 +462,12 @@ class Search:
             and not name.startswith("param.")
             and gain(rest, found) > (1.0 - SECOND_SHARE) * own
         ]
+
+
+def _noise_of(case: Case, residual: Array) -> float:
+    """Return the noise of the judged channel [unit of the case]."""
+    if not case.recorded:
+        return case.noise_rms
+    stated = case.recording.noise_rms.get(case.channel, 0.0) / case.scale
+    floor = noise_floor(residual, case.recording.time[case.usable]) if not stated else 0.0
+    return stated or max(min(case.noise_rms, floor), case.resolution)

@@ -25,7 +25,9 @@ def innovations(recording, rig, values):
     model = ServoModel()
     cases = model.cases(recording, rig)
     return {
-        case.channel: (case.measured - model.predict(case, values))[case.usable] for case in cases
+        case.channel: (case.measured - model.predict(case, values))[case.usable]
+        for case in cases
+        if case.recorded
     }
 
 
@@ -44,7 +46,7 @@ def test_the_velocity_is_recovered_far_better_than_by_differences(rig):
     force = force - rig["piston.area_b"] * (run["pressure_b"] - ambient)
     driving = force / mass + rig["load.gravity"] + rng.normal(0.0, 0.17, len(TIME))
     friction = rig["piston.coulomb_friction"] / mass
-    *motion, velocity_rms = smooth_motion(TIME, noisy, 1e-5, driving, 0.17, friction)
+    *motion, velocity_rms, at_rest = smooth_motion(TIME, noisy, 1e-5, driving, 0.17, friction)
     error, stated = motion[1] - run["velocity"], float(np.max(velocity_rms))
     # Differences of this noise are wrong by 14 mm/s.
     assert np.std(error) < 1e-3
@@ -56,6 +58,7 @@ def test_the_velocity_is_recovered_far_better_than_by_differences(rig):
     rest = (TIME % 1.0 > 0.6) & (TIME % 1.0 < 0.9)
     assert not np.any(moving & rest)
     assert np.std(error[rest]) < 0.3 * stated
+    assert not at_rest[np.abs(run["velocity"]) > 0.02].any()
 
 
 @pytest.mark.parametrize("controller", [SlidingMode(), Proportional()], ids=lambda c: c.kind)

@@ -30,6 +30,8 @@ HELD_FOR = 8e-3
 """... for this long counts as held [s]."""
 NEVER_MOVES = 1.5
 """A piston never moves whose displacement spreads by less than this many times its noise."""
+CREEPING = 3e-4
+"""A piston that creeps faster than this slides [m/s]."""
 SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
 PRESSURE_SMOOTHING = 3e-3
@@ -228,7 +230,11 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         touching=near,
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
-        stuck=rest & still & ~near & (rests == 0) & all(fed.measured),
+        stuck=_held(motion[1], CREEPING, interval)
+        & rest
+        & ~near
+        & (rests == 0)
+        & all(fed.measured),
         done=Recent(),
     )
     return replace(moved, spread=_spread(moved, rig))

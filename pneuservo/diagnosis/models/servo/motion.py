@@ -14,10 +14,14 @@ FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2] ..."""
 FORCE_CHANGE_TIME = 5e-3
 """... within this time [s]; the one that makes the recorded displacement likeliest is taken."""
-CREEP = (1e-6, 1e-5, 1e-4, 1e-3)
-"""Speeds at which a piston that sticks may creep, whatever the pressures do [m/s] ..."""
+REST_CHANGE = 0.02
+"""The same of a piston that comes to rest, whatever the pressures do [m/s^2] ..."""
+CREEP = (1e-6, 1e-5)
+"""... or it only creeps, at these speeds [m/s] ..."""
 CREEP_TIME = 5e-3
 """... for this time [s]; again the likeliest is taken."""
+GLIDING = 0.0
+"""Speed of creep that stands for a piston that comes to rest."""
 REST_TIME = 0.1
 """Time over which it has to look at rest [s] ..."""
 REST_FORCE = 3.0
@@ -83,16 +87,16 @@ def smooth_motion(
         )
         return found
 
-    tried = ((smoothed(nowhere, change, 0.0), change) for change in FORCE_CHANGES)
+    tried = ((smoothed(nowhere, change, GLIDING), change) for change in FORCE_CHANGES)
     moving, change = max(tried, key=lambda found: float(np.sum(found[0][2])))
-    rest_likelihood = smoothed(everywhere, change, CREEP[-1])[2]
+    rest_likelihood = smoothed(everywhere, change, GLIDING)[2]
     interval = float(np.median(np.diff(time)))
     most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
     rest = _at_rest(rest_likelihood - moving[2], interval)
     rest[_swing(known, interval) > most] = False
     states, variances, _ = moving
     if rest.any():
-        resting = (smoothed(rest, change, creep) for creep in CREEP)
+        resting = (smoothed(rest, change, creep) for creep in (GLIDING, *CREEP))
         states, variances, _ = max(resting, key=lambda found: float(np.sum(found[2])))
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
     # A moving piston's velocity is as well known as it is on the whole.
@@ -138,11 +142,11 @@ def _averaged_samples(interval: float) -> int:
 
 
 @compiled
-def _transition(interval, rest):
+def _transition(interval, creeps):
     """Return how displacement, velocity, acceleration and the transducer's zero go on."""
     step = np.eye(4)
     step[0, 1] = interval
-    if rest:
+    if creeps:
         step[1, 1] = math.exp(-interval / CREEP_TIME)
         step[2, 2] = 0.0
     else:
@@ -184,15 +188,18 @@ def _smooth(time, measured, variance, driving, driving_variance, change, rest, c
     for k in range(n):
         if k:
             h = time[k] - time[k - 1]
-            step = _transition(h, rest[k])
+            creeps = rest[k] and creep > GLIDING
+            step = _transition(h, creeps)
             if rest[k] != rest[k - 1]:
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
             state = step @ state
             spread = step @ spread @ step.T
-            if rest[k]:
+            if creeps:
                 spread[1, 1] += creep * creep * (1.0 - step[1, 1] ** 2)
                 spread[2, 2] += (creep / CREEP_TIME) ** 2
+            elif rest[k]:
+                _spread_out(spread, h, 0.0, REST_CHANGE)
             else:
                 mean = 0.5 * (driving[k] + driving[k - 1])
                 state[0] += 0.5 * h * h * mean
@@ -215,7 +222,7 @@ def _smooth(time, measured, variance, driving, driving_variance, change, rest, c
     velocity_variance = np.empty(n)
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
     for k in range(n - 2, -1, -1):
-        step = _transition(time[k + 1] - time[k], rest[k + 1])
+        step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING)
         back = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         filtered[k] = filtered[k] + back @ (filtered[k + 1] - predicted[k + 1])
         gained = back @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ back.T

@@ -288,9 +288,11 @@ def observe(
         given -= piston.viscous_friction * moved[SPEED] / slope
         last = now + given / mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
-        rested = rested + interval if stuck[k + 1] else 0.0
+        rested = rested + interval if held[k + 1] else 0.0
         if stuck[k + 1]:
-            excess[k + 1] = excess_at_rest(time[k + 1], state, rested, external_force[k + 1], servo)
+            excess[k + 1] = excess_at_rest(
+                time[k + 1], state, after[1], rested, external_force[k + 1], servo
+            )
     return left, path, known, drawn, excess
 
 

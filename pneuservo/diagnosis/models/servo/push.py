@@ -79,13 +79,15 @@ def push(
 
 
 @compiled
-def excess_at_rest(time, state, rested, external_force, servo):
+def excess_at_rest(time, state, creep, rested, external_force, servo):
     """Return by how much the force on a piston at rest exceeds what friction can hold [N].
 
     Parameters
     ----------
     time, state, external_force, servo
         As for `push`.
+    creep : float
+        Speed at which it creeps: what moves so slowly passes for rest [m/s].
     rested : float
         How long it has been at rest [s].
 
@@ -95,7 +97,7 @@ def excess_at_rest(time, state, rested, external_force, servo):
         Positive where it should extend; 0 where friction holds it.
     """
     extending, retracting = dry_friction(time, state, 0.0, servo)
-    force = acting_force(time, state, 0.0, external_force, servo)
+    force = acting_force(time, state, creep, external_force, servo)
     gained = breakaway_gain(rested, servo.effects.friction)
     return max(force - extending - gained, 0.0) + min(force + retracting + gained, 0.0)
 

@@ -1,0 +1,90 @@
+"""A piston at rest tells how much force friction holds, and no more than that moves it."""
+
+import numpy as np
+import pytest
+from servo_recordings import NOISE
+
+from pneuservo.diagnosis import diagnose
+from pneuservo.diagnosis.models.servo.feed import AT_REST
+from pneuservo.diagnosis.models.servo.motion import smooth_motion
+from pneuservo.diagnosis.models.servo.run_observer import ASTRAY, run_observer
+from pneuservo.diagnosis.models.servo.servo import ServoModel
+from pneuservo.diagnosis.noise import wander
+from pneuservo.recordings import Recording
+from pneuservo.rigs import load_rig
+from pneuservo.simulation import simulate
+
+TIME = np.arange(0.0, 6.0, 1e-3)
+DWELL = {"friction.breakaway-dwell:excess": 3.0, "friction.breakaway-dwell:time": 0.3}
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return load_rig("single-axis")
+
+
+def to_and_fro(rig, seed: int) -> Recording:
+    """Return moves to and fro; in between the piston rests under a force that differs."""
+    rng = np.random.default_rng(seed)
+    command = np.where(TIME % 0.4 < 0.2, np.where(TIME % 1.6 < 0.8, 0.02, -0.02), 0.0)
+    run = simulate(rig, time=TIME, command=command)
+    channels = {
+        name: run[name] + size * (rng.standard_normal(len(TIME)) + wander(TIME, rng))
+        for name, size in NOISE.items()
+    }
+    channels["valve_voltage"] = run["valve_voltage"]
+    return Recording("to and fro", TIME, channels, "single-axis", noise_rms=NOISE)
+
+
+def left_at_rest(recording: Recording, rig, values) -> np.ndarray:
+    model = ServoModel()
+    case = next(c for c in model.cases(recording, rig) if c.channel == AT_REST)
+    return -model.predict(case, values)[case.usable]
+
+
+def test_a_piston_at_rest_does_not_follow_the_wandering_zero():
+    rng = np.random.default_rng(1)
+    noise = 2e-5
+    reading = 0.015 + noise * (rng.standard_normal(len(TIME)) + wander(TIME, rng))
+    driving = 0.3 + 0.2 * rng.standard_normal(len(TIME))
+    _, velocity, _, velocity_rms, rest = smooth_motion(TIME, reading, noise, driving, 0.2, 1.0)
+    assert rest.mean() > 0.95
+    # The wander alone moves at 0.02 mm/s; following it with the noise gave 0.15 mm/s.
+    inside = slice(200, -200)
+    assert np.std(velocity[inside]) < 2e-5
+    assert np.median(velocity_rms) < 5e-5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_without_an_effect_friction_holds_the_piston(rig, seed):
+    left = left_at_rest(to_and_fro(rig, seed), rig, {})
+    assert len(left) >= 10
+    assert np.sqrt(np.mean(left**2)) < 1.2
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_breakaway_force_that_grows_with_rest_shows_and_is_explained(rig, seed):
+    recording = to_and_fro(rig.with_values(DWELL), seed)
+    without = left_at_rest(recording, rig, {})
+    with_it = left_at_rest(recording, rig, DWELL)
+    assert np.sqrt(np.mean(without**2)) > 3.0
+    assert np.sqrt(np.mean(with_it**2)) < 1.2
+
+
+def test_what_is_judged_at_rest_is_no_channel_of_the_answer(rig):
+    from pneuservo.diagnosis.document import document
+
+    recording = to_and_fro(rig.with_values(DWELL), 1)
+    found = diagnose([recording], rig=rig)
+    answer = document(found)
+    assert set(answer["fit"]["channels"]) == set(NOISE)
+    assert [entry["effect"] for entry in answer["missing"]][:1] == ["friction.breakaway-dwell"]
+    assert answer["located"][0]["block"] == "piston"
+
+
+def test_an_observer_that_lost_its_way_fits_nothing(rig):
+    fed = ServoModel().cases(to_and_fro(rig, 1), rig)[0].inputs["feed"]
+    left = run_observer(fed, {"load.spring:stiffness": np.nan}, rig)
+    noise = fed.noise_of(("pressure_a", "pressure_b", "displacement"))[:, np.newaxis]
+    # As soon as the piston moves the force counts that is no number.
+    assert (left[:3, -1000:] == ASTRAY * noise).all()
