@@ -117,6 +117,12 @@ def test_an_effect_far_too_large_does_not_make_it_run_away(slow, rig, effect):
     assert np.sqrt(np.mean(left**2, axis=1)).max() < 30.0
 
 
+def test_one_that_lost_its_way_fits_nothing(slow, rig):
+    # As soon as the piston moves the force counts that is no number.
+    left = of_noise(slow, rig, {"load.spring:stiffness": np.nan})
+    assert left[:, -1000:].min() > 0.9 * ASTRAY
+
+
 def test_zeros_that_wander_leave_no_slow_innovations(slow, rig):
     # The displacement has some where friction turns round at this speed.
     left = of_noise(slow, rig, {})[:2]
