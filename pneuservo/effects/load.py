@@ -42,6 +42,7 @@ def _mode(share: str, frequency: str) -> tuple[EffectParameter, ...]:
 
 
 _SWING = "swing of the structure"
+_JOINT = "joint of the load"
 TRANSVERSE_MODE = Effect(
     id="load.transverse-mode",
     block="load",
@@ -85,6 +86,7 @@ COMPLIANCE = Effect(
     ),
     source="two masses; textbook dynamics",
     experiment="tap the load and compare accelerometers on load and rod",
+    group=_JOINT,
 )
 BACKLASH = Effect(
     id="load.backlash",
@@ -100,6 +102,7 @@ BACKLASH = Effect(
     ),
     source="textbook dynamics; flanks taken as 1 N/um",
     experiment="repeat with gravity holding the joint to one side",
+    group=_JOINT,
 )
 GRAVITY_ANGLE = Effect(
     id="load.gravity-angle",
