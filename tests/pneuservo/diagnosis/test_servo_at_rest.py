@@ -77,5 +77,7 @@ def test_what_is_judged_at_rest_is_no_channel_of_the_answer(rig):
     found = diagnose([recording], rig=rig)
     answer = document(found)
     assert set(answer["fit"]["channels"]) == set(NOISE)
-    assert [entry["effect"] for entry in answer["missing"]][:1] == ["friction.breakaway-dwell"]
+    # Rests that all last as long do not tell what grows with rest from what is always there.
+    (named,) = (entry["effect"] for entry in answer["missing"])
+    assert named in ("friction.breakaway-dwell", "friction.stribeck")
     assert answer["located"][0]["block"] == "piston"

@@ -9,8 +9,6 @@ from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
 from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
 from pneuservo.rigs import Rig
 
-UNEVEN = 0.05
-"""Share by which friction at rest differs from place to place."""
 PASSES = 2
 """Pressures estimated with a motion make the motion better, which makes the pressures better."""
 
@@ -65,5 +63,4 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
         The baseline.
     """
     gains, shares, _, known = learn_to_observe(fed, rig)
-    force_rms = np.hypot(known, UNEVEN * rig["piston.coulomb_friction"])
-    return replace(fed, gains=gains, shares=shares, force_rms=force_rms, done=Recent())
+    return replace(fed, gains=gains, shares=shares, force_rms=known, done=Recent())

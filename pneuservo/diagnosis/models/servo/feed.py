@@ -87,7 +87,7 @@ class Feed:
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
     force_rms : (n,) array
-        How well both pressures tell the force that friction has to hold [N].
+        How well both pressures tell the force on the piston [N].
     done : Recent
         Results of the last few runs, one for all channels.
     """

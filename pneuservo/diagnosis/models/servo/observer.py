@@ -129,8 +129,8 @@ def observe(
         Standard deviation of the force that they give; zeros unless learning [N].
     drawn : (n,) array
         Mass flow out of the supply [kg/s].
-    excess : (n,) array
-        Force on a stuck piston beyond what friction can hold; 0 where it holds [N].
+    at_rest : (2, n) array
+        Force on a stuck piston beyond what friction can hold, 0 where it holds, and that [N].
 
     Notes
     -----
@@ -144,7 +144,7 @@ def observe(
     """
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
-    excess, rested = np.zeros(n), 0.0
+    at_rest, rested = np.zeros((2, n)), 0.0
     state = initial_state.copy()
     modes = np.zeros(3, np.int64)
     modes[SPOOL_LIMIT] = SPOOL_FREE
@@ -246,7 +246,7 @@ def observe(
         if not math.isfinite(position + state[PRESSURE_A] + state[PRESSURE_B]):
             # Nothing is expected of a servo that ran away, and no reading is as expected.
             left[:, k + 1 :] = math.inf
-            excess[k + 1 :] = math.inf
+            at_rest[0, k + 1 :] = math.inf
             break
         error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
@@ -290,10 +290,10 @@ def observe(
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
         rested = rested + interval if held[k + 1] else 0.0
         if stuck[k + 1]:
-            excess[k + 1] = excess_at_rest(
+            at_rest[0, k + 1], at_rest[1, k + 1] = excess_at_rest(
                 time[k + 1], state, after[1], rested, external_force[k + 1], servo
             )
-    return left, path, known, drawn, excess
+    return left, path, known, drawn, at_rest
 
 
 @compiled

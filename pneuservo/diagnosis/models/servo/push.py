@@ -1,5 +1,7 @@
 """The acceleration that forces give the piston, at a place and speed that are known."""
 
+import math
+
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
@@ -80,7 +82,7 @@ def push(
 
 @compiled
 def excess_at_rest(time, state, creep, rested, external_force, servo):
-    """Return by how much the force on a piston at rest exceeds what friction can hold [N].
+    """Return by how much the force on a piston at rest exceeds what friction can hold, and that.
 
     Parameters
     ----------
@@ -93,13 +95,14 @@ def excess_at_rest(time, state, creep, rested, external_force, servo):
 
     Returns
     -------
-    float
-        Positive where it should extend; 0 where friction holds it.
+    excess, holding : float
+        Positive where it should extend, 0 where friction holds it [N]; what it can hold [N].
     """
     extending, retracting = dry_friction(time, state, 0.0, servo)
     force = acting_force(time, state, creep, external_force, servo)
     gained = breakaway_gain(rested, servo.effects.friction)
-    return max(force - extending - gained, 0.0) + min(force + retracting + gained, 0.0)
+    holding = gained + (extending if force > 0.0 else retracting)
+    return math.copysign(max(abs(force) - holding, 0.0), force), holding
 
 
 @compiled

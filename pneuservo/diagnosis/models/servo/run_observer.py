@@ -36,6 +36,8 @@ SUPPLY_LEVEL = "supply_level"
 REVERSAL = "reversal"
 """Speed over which friction turns round, as a multiple of the resolution of the velocity [-]."""
 
+UNEVEN = 0.1
+"""Share by which friction at rest differs from place to place, and its laws in form."""
 ASTRAY = 1e3
 """Innovations are never larger than so many times the noise: a fit turns back from values with
 which the observer runs away, but can make nothing of numbers that are not finite."""
@@ -115,7 +117,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     own channel alone.
     """
     known = numbers(values, rig)
-    left, _, _, drawn, excess = _observe(
+    left, _, _, drawn, at_rest = _observe(
         fed, values, known, rig, fed.gains, fed.shares, learning=False
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
@@ -124,7 +126,8 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
         beyond = beyond_wander(fed.time, fed.supply_reading - expected)
-    slipping = np.clip(excess / np.maximum(fed.force_rms, 1e-9), -ASTRAY, ASTRAY)
+    spread = np.hypot(fed.force_rms, UNEVEN * at_rest[1])
+    slipping = np.clip(at_rest[0] / np.maximum(spread, 1e-9), -ASTRAY, ASTRAY)
     return np.vstack([left, beyond, np.nan_to_num(slipping, nan=ASTRAY)])
 
 
