@@ -232,7 +232,7 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         tuple(problem.own_values(vector)),
         problem.channels,
         tuple(residuals),
-        max(rms(residuals), *finest.values()),
+        max(rms(residuals), min(finest.values())),
         len(everything),
         effective,
         finest,

@@ -20,7 +20,9 @@ more than 2.8 times what it had promised."""
 MOST_OVER_PROMISE = 3.0
 """No candidate gains more than so many times what it promised; see `LEAST_PROMISE`."""
 SMOOTH = 0.1
-"""A misfit worth fewer than this share of its samples is looked into without any promise."""
+"""A misfit worth fewer than this share of its samples is looked into without any promise ..."""
+FEW = 0.01
+"""... where they are more than this share of all."""
 
 
 def promising(
@@ -81,7 +83,8 @@ def promising(
 def _least_promise(name: str, base: Fit) -> float:
     for channel, worth in base.effective.items():
         # So few independent samples promise nothing, whatever they hide.
-        if worth < SMOOTH * base.samples_of(channel):
+        samples = base.samples_of(channel)
+        if FEW * base.samples < samples and worth < SMOOTH * samples:
             return 0.0
     return LEAST_DISTANCE / 2.0 if name.startswith("param.") else LEAST_PROMISE
 

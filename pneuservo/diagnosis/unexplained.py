@@ -9,7 +9,7 @@ from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.fitting import channel_scales
 from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array, Table
+from pneuservo.diagnosis.models.model import Array, Table, Values
 from pneuservo.diagnosis.problem import residuals_of, values_in_each
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import most_gained, spans_beyond
@@ -181,6 +181,7 @@ def find_unexplained(
     per knot, held against imitations of the recordings like any named effect. Only where something
     is left beside the names, or there are many, a table may do better in their place.
     """
+    baseline, chosen = (_of_channels(cases, fit) for fit in (baseline, chosen))
     beside = _best(model, cases, tables, chosen, copies, jobs)
     names = len(chosen.hypothesis.effects)
     if not names:
@@ -195,6 +196,27 @@ def find_unexplained(
             if instead.gain > INSTEAD * by_names:
                 return replace(instead, instead=True)
     return None if beside is None else replace(beside, named_gain=named)
+
+
+def _of_channels(cases: Sequence[Case], fit: Fit) -> Fit:
+    """Return a fit of what was recorded alone.
+
+    What follows from it, such as what friction can hold, has no slope where it holds: it would
+    keep knots, and all that follows them, at the edge of that.
+    """
+    residuals = _recorded(cases, fit.residuals)
+    counts = [np.full(len(r), c.recorded) for c, r in zip(cases, residuals, strict=True)]
+    sensitivity = fit.sensitivity.copy()
+    sensitivity[: fit.samples][~np.concatenate(counts)] = 0.0
+    return replace(fit, residuals=tuple(residuals), sensitivity=sensitivity)
+
+
+def _recorded(cases: Sequence[Case], residuals: Sequence[Array]) -> list[Array]:
+    return [r if c.recorded else np.zeros_like(r) for c, r in zip(cases, residuals, strict=True)]
+
+
+def _left(model: Model, cases: Sequence[Case], values: Sequence[Values]) -> list[Array]:
+    return _recorded(cases, residuals_of(model, cases, values))
 
 
 def _best(
@@ -244,7 +266,7 @@ def _changes(model: Model, cases: Sequence[Case], base: Fit, table: Table, shape
         heights = dict(zip(table.knots, (table.step * shape).tolist(), strict=True))
         there = {**base.shared, **table.values, **heights}
         values = values_in_each(cases, cases[0], there, base.own)
-        changes.append(here - np.concatenate(residuals_of(model, cases, values)))
+        changes.append(here - np.concatenate(_left(model, cases, values)))
     return np.column_stack(changes)
 
 
@@ -315,13 +337,13 @@ def _with_table(
         moved = base.stepped(share * follow)
         shared = {**moved.shared, **table.values, **heights}
         values = values_in_each(cases, cases[0], shared, moved.own)
-        residuals = residuals_of(model, cases, values)
+        residuals = _left(model, cases, values)
         cost = float(np.sum(base.weigh(residuals) ** 2)) + moved.penalty
         found = replace(
             moved,
             shared=shared,
             residuals=tuple(residuals),
-            rms=max(rms(residuals), *base.finest.values()),
+            rms=max(rms(residuals), min(base.finest.values())),
             scale=channel_scales(base.channels, residuals, base.finest),
         )
         if tried and cost > tried[-1][0]:

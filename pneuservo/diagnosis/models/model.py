@@ -98,7 +98,7 @@ class Case:
     recording : Recording
         Where it comes from.
     measured : (n,) array
-        Samples of the judged channel [SI]; NaN where there is none.
+        Samples of the judged channel, in `scale`; NaN where there is none.
     inputs : mapping of str to array or float
         Whatever else the model needs, worked out once.
     noise_rms : float

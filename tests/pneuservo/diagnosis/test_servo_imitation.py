@@ -43,8 +43,11 @@ def test_an_imitation_leaves_what_the_recording_of_a_perfect_model_does(make, ri
             np.sqrt(np.mean((c.measured - model.predict(c, {}))[c.usable] ** 2))
             for c in (copy, case)
         )
-        # Its zeros wander, those of the recording do not.
-        assert 0.8 * there < left < 1.2 * there, copy.channel
+        if case.recorded:
+            # Its zeros wander, those of the recording do not.
+            assert 0.8 * there < left < 1.2 * there, copy.channel
+        else:
+            assert max(left, there) < 1.0
 
 
 def test_a_wandering_zero_of_the_supply_leaves_white_noise():

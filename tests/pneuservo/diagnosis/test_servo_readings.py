@@ -31,8 +31,9 @@ def test_mains_hum_is_taken_out_of_every_channel(rig):
     hum = 0.4 * np.sin(angle) + 0.2 * np.sin(3.0 * angle + 1.0)
     loud = {name: clean[name] + NOISE[name] * hum for name in NOISE}
     cases = ServoModel().cases(replace(clean, channels={**clean.channels, **loud}), rig)
-    assert [case.channel for case in cases] == ["displacement", "pressure_a", "pressure_b"]
-    for case in cases[1:]:
+    channels = [case for case in cases if case.recorded]
+    assert [case.channel for case in channels] == ["displacement", "pressure_a", "pressure_b"]
+    for case in channels[1:]:
         left = case.measured * case.scale - clean[case.channel]
         assert np.std(left) < 0.4 * np.std(NOISE[case.channel] * hum)
 

@@ -212,7 +212,6 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
             [np.full_like(fed.time, np.mean(motion[0])), *np.zeros((2, len(fed.time)))]
         )
         velocity_rms = np.zeros_like(fed.time)
-        rest = np.ones(len(fed.time), dtype=bool)
     interval = float(np.median(np.diff(fed.time)))
     stroke, slow = rig["piston.stroke"], STICKING * reversal
     near, still = touching(motion[0], interval, stroke), _held(motion[1], slow, interval)
@@ -308,7 +307,8 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
         The rig it was taken on.
     """
     rests = np.where(fed.touching, fed.resting, 0)
-    freed = replace(fed, held=fed.touching, resting=rests, done=Recent())
+    stuck = np.zeros_like(fed.stuck)
+    freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck, done=Recent())
     return replace(freed, spread=_spread(freed, rig))
 
 

@@ -24,7 +24,7 @@ GLIDING = 0.0
 """Speed of creep that stands for a piston that comes to rest."""
 REST_TIME = 0.1
 """Time over which it has to look at rest [s] ..."""
-REST_FORCE = 3.0
+REST_FORCE = 5.0
 """... and over which the pressures' force may swing by more than all of the Coulomb friction, in
 its own noise: in chatter too a piston moves by less than its displacement's noise."""
 FORCE_SMOOTHING = 5e-3
@@ -72,7 +72,8 @@ def smooth_motion(
     gravity and a wrong mass. The pressures carry the fast part of the acceleration, so that no
     cut-off has to be chosen. While the piston sticks they do not move it, and what their noise
     makes of its velocity would go on into the chambers: where it makes the readings likelier they
-    are left out, and the acceleration changes next to nothing.
+    are left out, and it comes to rest slowly or creeps. The wandering zero is part of the
+    displacement, not of the velocity: a piston at rest does not follow it.
     """
     known = np.zeros_like(time) if driving is None else driving
     start = float(displacement[np.isfinite(displacement)][0])

@@ -122,7 +122,8 @@ def observe(
     Returns
     -------
     left : (3, n) array
-        Innovations, each counted in the spread that it was expected to have, SI.
+        Innovations, each counted in the spread that it was expected to have, SI; infinite from
+        where the servo runs away.
     path : (2, n) array
         Both pressures as followed [Pa].
     known : (n,) array

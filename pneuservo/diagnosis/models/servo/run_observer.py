@@ -94,7 +94,7 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
 
 
 def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
-    """Return what both pressures, displacement and supply read beyond what was expected, SI.
+    """Return what is read beyond what was expected, and what friction cannot hold.
 
     Parameters
     ----------
@@ -108,8 +108,9 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     Returns
     -------
     (5, n) array
-        As the transducers read them; zeros where nothing was measured. The last row is the force
-        beyond what friction can hold while it holds the piston, in how well that force is known.
+        Both pressures, displacement and supply as the transducers read them, SI; zeros where
+        nothing was measured. The last row is the force beyond what friction can hold while it
+        holds the piston, in how well that force is known. Nothing is more than `ASTRAY`.
 
     Notes
     -----

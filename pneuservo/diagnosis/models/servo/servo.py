@@ -128,8 +128,8 @@ class ServoModel(Model):
                 )
             )
         at_rest = judged_at_rest(fed.stuck, recording.sampling_interval)
-        if np.count_nonzero(at_rest) >= _FEWEST_RESTS:
-            given = {"feed": fed, "leads": not found, "recorded": recorded}
+        if found and np.count_nonzero(at_rest) >= _FEWEST_RESTS:
+            given = {"feed": fed, "leads": False, "recorded": recorded}
             found.append(
                 Case(
                     recording,
@@ -194,9 +194,10 @@ class ServoModel(Model):
         """
         fed: Feed = case.inputs["feed"]
         found: list[Unknown] = []
-        if case.channel == "displacement" and "nuisances" not in self.without:
-            if fed.spread_of_force:
-                found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
+        fitted = "nuisances" not in self.without
+        if fitted and case.inputs["leads"] and fed.spread_of_force:
+            found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
+        if fitted and case.channel == "displacement":
             found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
         if case.inputs["leads"] and fed.supply is not None:
             level = float(np.mean(fed.supply))
