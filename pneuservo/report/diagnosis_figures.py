@@ -1,6 +1,6 @@
 """The pictures of a diagnosis."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -50,9 +50,9 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         None when there is nothing to compare and nothing without a name.
     """
     search = diagnosis.search
-    there = zip(search.cases, search.baseline.residuals, strict=True)
-    worst = int(np.argmax([float(np.mean(r**2)) if c.recorded else 0.0 for c, r in there]))
-    shown = [("used", worst, search.cases[worst], search.baseline, diagnosis.repaired)]
+    fits = (search.baseline, diagnosis.repaired)
+    worst = _worst(search.cases, search.baseline)
+    shown = [("used", worst, search.cases[worst], *fits)]
     if diagnosis.before_held_back and diagnosis.after_held_back:
         pair = (diagnosis.before_held_back, diagnosis.after_held_back)
         channel = search.cases[worst].channel
@@ -69,6 +69,11 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         )
         for role, index, case, before, after in shown
     ]  # fmt: skip
+    at_rest = _mended_at_rest(search.cases, *fits)
+    if at_rest is not None:
+        case = search.cases[at_rest]
+        picture = draw(_forces_at_rest, diagnosis, case, fits, at_rest, size=(9.0, 3.6))
+        curves.insert(0, (_slipping_in_words(case, fits, at_rest), picture))
     alone = search.ledger[0].rms if search.ledger else {}
     rivals = None
     if alone:
@@ -82,6 +87,53 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         "blocks": draw(_blocks, diagnosis.rig.kind, answer, size=(9.0, 1.5)),
         "rivals": rivals,
     }
+
+
+def _worst(cases: Sequence[Case], baseline: Fit) -> int:
+    """Return the recorded case of which the baseline leaves most."""
+    there = zip(cases, baseline.residuals, strict=True)
+    return int(np.argmax([float(np.mean(r**2)) if c.recorded else 0.0 for c, r in there]))
+
+
+def _mended_at_rest(cases: Sequence[Case], before: Fit, after: Fit) -> int | None:
+    """Return the case of forces at rest that gained more than any that was recorded, if any."""
+    there = zip(before.residuals, after.residuals, strict=True)
+    gains = [float(np.sum(b**2) - np.sum(a**2)) for b, a in there]
+    most = int(np.argmax(gains))
+    return None if cases[most].recorded else most
+
+
+def _slipping_in_words(case: Case, fits: tuple[Fit, Fit], index: int) -> str:
+    before, after = (_count_slipping(found.residuals[index]) for found in fits)
+    return (
+        f"{case.recording.title or case.recording.name} (used): the piston rests though the force "
+        f"on it is clearly more than friction can hold at {before} of "
+        f"{np.count_nonzero(case.usable)} moments in the re-fitted baseline, at {after} repaired"
+    )
+
+
+def _count_slipping(residual: Any) -> int:
+    """Return at how many moments the force is too large by more than it may be wrong by."""
+    return int(np.count_nonzero(np.abs(residual) > 1.0))
+
+
+def _forces_at_rest(
+    axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], index: int
+) -> None:
+    first, judged = diagnosis.search.cases[0], case.usable
+    time = case.recording.time[judged]
+    looks = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
+    for found, (label, colour) in zip(fits, looks, strict=True):
+        values = values_in(case, first, found.shared, found.own[index])
+        force, holding = diagnosis.model.forces_at_rest(case, values)[:, judged]
+        axes.scatter(
+            time, holding, marker="_", s=90, lw=2.0, color=colour, label=f"held at most, {label}"
+        )
+    axes.scatter(time, np.abs(force), s=14, color=MEASURED, zorder=3, label="force on the piston")
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("force at rest [N]")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
 def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], index: int) -> None:

@@ -254,6 +254,13 @@ class Model:
         """Return under which circumstances a recording was taken: value and SI unit."""
         return {"sampling interval": (case.recording.sampling_interval, "s")}
 
+    def forces_at_rest(self, case: Case, values: Values) -> Array:
+        """Return the force on what rests and how much of it friction can hold, (2, n) [N].
+
+        Of a case that was not recorded but follows from what friction held.
+        """
+        raise NotImplementedError
+
     def closeup(self, case: Case) -> slice:
         """Return the stretch of a recording that a picture should show."""
         return slice(None)

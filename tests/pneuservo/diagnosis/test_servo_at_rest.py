@@ -1,5 +1,7 @@
 """A piston at rest tells how much force friction holds, and no more than that moves it."""
 
+import re
+
 import numpy as np
 import pytest
 from servo_recordings import NOISE
@@ -10,6 +12,7 @@ from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
+from pneuservo.report.diagnosis_figures import diagnosis_figures
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
@@ -81,3 +84,9 @@ def test_what_is_judged_at_rest_is_no_channel_of_the_answer(rig):
     (named,) = (entry["effect"] for entry in answer["missing"])
     assert named in ("friction.breakaway-dwell", "friction.stribeck")
     assert answer["located"][0]["block"] == "piston"
+    # No recorded channel shows it: the report draws what does.
+    (title, picture), *_ = diagnosis_figures(found, answer)["curves"]
+    slipping, moments, mended = (int(word) for word in re.findall(r"\b\d+\b", title))
+    assert moments > slipping >= 5
+    assert mended <= 1
+    assert "held at most" in picture

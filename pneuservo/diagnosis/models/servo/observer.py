@@ -19,7 +19,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
     take_over,
     weigh,
 )
-from pneuservo.diagnosis.models.servo.push import excess_at_rest, friction_direction, push
+from pneuservo.diagnosis.models.servo.push import balance_at_rest, friction_direction, push
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
@@ -131,7 +131,7 @@ def observe(
     drawn : (n,) array
         Mass flow out of the supply [kg/s].
     at_rest : (2, n) array
-        Force on a stuck piston beyond what friction can hold, 0 where it holds, and that [N].
+        Force on a stuck piston and how much of it friction can hold; elsewhere zeros [N].
 
     Notes
     -----
@@ -291,7 +291,7 @@ def observe(
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
         rested = rested + interval if held[k + 1] else 0.0
         if stuck[k + 1]:
-            at_rest[0, k + 1], at_rest[1, k + 1] = excess_at_rest(
+            at_rest[0, k + 1], at_rest[1, k + 1] = balance_at_rest(
                 time[k + 1], state, after[1], rested, external_force[k + 1], servo
             )
     return left, path, known, drawn, at_rest

@@ -1,7 +1,5 @@
 """The acceleration that forces give the piston, at a place and speed that are known."""
 
-import math
-
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
@@ -81,8 +79,8 @@ def push(
 
 
 @compiled
-def excess_at_rest(time, state, creep, rested, external_force, servo):
-    """Return by how much the force on a piston at rest exceeds what friction can hold, and that.
+def balance_at_rest(time, state, creep, rested, external_force, servo):
+    """Return the force on a piston at rest, and how much of it friction can hold.
 
     Parameters
     ----------
@@ -95,14 +93,13 @@ def excess_at_rest(time, state, creep, rested, external_force, servo):
 
     Returns
     -------
-    excess, holding : float
-        Positive where it should extend, 0 where friction holds it [N]; what it can hold [N].
+    force, holding : float
+        Positive towards extension [N]; the piston slips where the force is larger [N].
     """
     extending, retracting = dry_friction(time, state, 0.0, servo)
     force = acting_force(time, state, creep, external_force, servo)
     gained = breakaway_gain(rested, servo.effects.friction)
-    holding = gained + (extending if force > 0.0 else retracting)
-    return math.copysign(max(abs(force) - holding, 0.0), force), holding
+    return force, gained + (extending if force > 0.0 else retracting)
 
 
 @compiled

@@ -127,9 +127,29 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
         beyond = beyond_wander(fed.time, fed.supply_reading - expected)
-    spread = np.hypot(fed.force_rms, UNEVEN * at_rest[1])
-    slipping = np.clip(at_rest[0] / np.maximum(spread, 1e-9), -ASTRAY, ASTRAY)
+    force, holding = at_rest
+    spread = np.maximum(np.hypot(fed.force_rms, UNEVEN * holding), 1e-9)
+    excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)
+    slipping = np.clip(excess / spread, -ASTRAY, ASTRAY)
     return np.vstack([left, beyond, np.nan_to_num(slipping, nan=ASTRAY)])
+
+
+def forces_at_rest(fed: Feed, values: Values, rig: Rig) -> Array:
+    """Return the force on a piston at rest, and how much of it friction can hold.
+
+    Parameters
+    ----------
+    fed, values, rig
+        As in `run_observer`.
+
+    Returns
+    -------
+    (2, n) array
+        The force positive towards extension; zeros where the piston is not known to rest [N].
+    """
+    known = numbers(values, rig)
+    *_, at_rest = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    return at_rest
 
 
 def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:

@@ -26,6 +26,7 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     REVERSAL,
     SUPPLY_LEVEL,
     ZERO_FORCE,
+    forces_at_rest,
     run_observer,
 )
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
@@ -210,6 +211,10 @@ class ServoModel(Model):
         left = _innovations(fed, values, case.rig)[_ROWS.index(case.channel)]
         expected: Array = case.measured - left / case.scale
         return expected
+
+    def forces_at_rest(self, case: Case, values: Values) -> Array:
+        """Return the force on the piston at rest and how much of it friction can hold [N]."""
+        return forces_at_rest(case.inputs["feed"], values, case.rig)
 
     def tables(self, cases: Sequence[Case]) -> list[Table]:
         """Return tables of a force or a flow over everything that was recorded."""
