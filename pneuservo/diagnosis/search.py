@@ -323,17 +323,36 @@ class Search:
     def _revise(self) -> None:
         """Swap or drop what was accepted early and is no longer the best in its place."""
         for member in list(self.accepted[:-1]):
-            found = self.rivals(member)
-            own = next(rival for rival in found if rival.candidate == member)
-            absent = next(rival for rival in found if not rival.candidate)
-            limit = own.evidence - self._margin(member)
-            better = [rival for rival in found if rival.evidence < limit]
-            best = next((r for r in better if self._may_replace(member, r, absent)), None)
+            best = self._better_than(member)
+            if best is not None and self._fits_closer_from(self._rest(member)):
+                best = self._better_than(member)
             if best is None:
                 continue
             place = self.accepted.index(member)
             self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
             self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+
+    def _better_than(self, member: str) -> Rival | None:
+        """Return what is clearly better in the place of a member, if anything."""
+        found = self.rivals(member)
+        own = next(rival for rival in found if rival.candidate == member)
+        absent = next(rival for rival in found if not rival.candidate)
+        limit = own.evidence - self._margin(member)
+        better = [rival for rival in found if rival.evidence < limit]
+        return next((r for r in better if self._may_replace(member, r, absent)), None)
+
+    def _fits_closer_from(self, rest: Fit) -> bool:
+        """Fit what is accepted from where its rivals began; return whether that is closer.
+
+        What was fitted in another order may have come to rest in another minimum.
+        """
+        if not self.model.steady:
+            return False
+        again = fit(self.model, self.cases, self.chosen.hypothesis, rest)
+        closer = explained(self.chosen, again) > 0.0
+        if closer:
+            self.fits[again.hypothesis] = again
+        return closer
 
     def _margin(self, member: str) -> float:
         """Return by how much a rival has to be better: what decided for a member still stands."""
