@@ -1,6 +1,7 @@
 """How kernels are compiled, and where the compiled code is kept."""
 
 import hashlib
+import re
 import tempfile
 from collections.abc import Callable
 from functools import cache
@@ -11,6 +12,8 @@ import numba
 import platformdirs
 
 PACKAGE = Path(__file__).parent
+_IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
+_CONSTANT = re.compile(r"\b[A-Z][A-Z0-9_]+\b")
 
 
 def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None:
@@ -25,17 +28,22 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
 
     Notes
     -----
-    The folder is named after the content of every source file that holds kernels, or the named
-    tuples that they take, and the version of the compiler. The compiler itself only watches the
-    file a function stands in, so a kernel that takes in a function of another file would keep
-    running the old physics after that file
-    changed.
+    The folder is named after the content of every source file that holds kernels, the named
+    tuples or the constants that they take, and the version of the compiler. The compiler itself
+    only watches the file a function stands in, so a kernel that takes in a function of another
+    file would keep running the old physics after that file changed.
     """
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(source for package in packages for source in package.rglob("*.py")):
-        content = source.read_bytes()
-        if any(word in content for word in (mark.encode(), b"numba", b"NamedTuple")):
-            digest.update(content)
+    marks = (mark, "numba", "NamedTuple")
+    watched = {
+        source
+        for package in packages
+        for source in package.rglob("*.py")
+        if any(word in source.read_text() for word in marks)
+    }
+    watched |= {constants for source in watched for constants in _constants_of(source)}
+    for source in sorted(watched):
+        digest.update(source.read_bytes())
     folder = Path(platformdirs.user_cache_dir("pneuservo")) / digest.hexdigest()[:16]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -44,6 +52,17 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
     except OSError:
         return None
     return folder
+
+
+def _constants_of(source: Path) -> list[Path]:
+    """Return the files that a source file takes constants from."""
+    outside = next(folder for folder in source.parents if not (folder / "__init__.py").exists())
+    found = [
+        outside / f"{module.replace('.', '/')}.py"
+        for module, names in _IMPORT.findall(source.read_text())
+        if _CONSTANT.search(names)
+    ]
+    return [constants for constants in found if constants.exists()]
 
 
 def compile_kernel(
