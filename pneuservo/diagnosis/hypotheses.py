@@ -1,0 +1,143 @@
+"""Hypotheses fitted to recordings, each once, and which of them are worth a fit."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.judge import DECISIVE
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.pretence import Pretence
+from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promising
+from pneuservo.diagnosis.side_by_side import side_by_side
+
+FITTED_FIRST = 2
+"""So many candidates are fitted before the others are asked whether they can still catch up."""
+
+
+@dataclass
+class Hypotheses:
+    """What has been fitted to a set of recordings.
+
+    Parameters
+    ----------
+    model : Model
+        The rig's model.
+    cases : sequence of Case
+        Prepared recordings.
+    progress : callable, optional
+        Told what is being fitted.
+    seed : int, optional
+        Seed of the noise that chance is judged by.
+    jobs : int, optional
+        So many fits at a time, of a model that is run by kernels.
+    fits : dict, optional
+        Every hypothesis fitted so far.
+    """
+
+    model: Model
+    cases: Sequence[Case]
+    progress: Callable[[str], None] = lambda step: None
+    seed: int = 0
+    jobs: int = 1
+    fits: dict[Hypothesis, Fit] = field(default_factory=dict)
+    _promising: dict[Any, dict[str, float]] = field(default_factory=dict)
+    _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
+    """Candidates beside which the fit ended worse than without them."""
+
+    @property
+    def baseline(self) -> Fit:
+        """Return the baseline with its own parameters re-fitted."""
+        return self.fitted(Hypothesis())
+
+    @cached_property
+    def pretence(self) -> Pretence:
+        """Return what the method itself pretends, for a model whose sensitivities are steady."""
+        return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed, self.jobs)
+
+    def _promises(
+        self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
+    ) -> Mapping[str, float]:
+        """Return what the candidates that are worth a fit beside a base promise to explain.
+
+        Where sensitivities are not steady nothing is known beforehand, and all are worth it.
+        """
+        if not self.model.steady:
+            return dict.fromkeys(names, math.inf)
+        asked = (base.hypothesis, tuple(names), tuple(keep))
+        if asked not in self._promising:
+            self._promising[asked] = promising(
+                base, self.pretence.signatures, names, keep, self._one_sided
+            )
+        found = self._promising[asked]
+        return {
+            name: promise
+            for name, promise in found.items()
+            if name in keep or not self._is_hopeless(name, base)
+        }
+
+    def _is_hopeless(self, name: str, base: Fit) -> bool:
+        """Return whether a candidate has made worse what a base began with."""
+        return any(
+            tried.effects <= base.hypothesis.effects for tried in self._hopeless.get(name, [])
+        )
+
+    @property
+    def _at_a_time(self) -> int:
+        """Return how many simulations may run beside each other.
+
+        Models other than those run by kernels share what they simulate with, and would only wait.
+        """
+        return self.jobs if self.model.steady else 1
+
+    @cached_property
+    def _one_sided(self) -> frozenset[str]:
+        """Return the effects whose size cannot be negative."""
+        return frozenset(e.id for e in self.model.effects if e.parameters[0].low >= 0.0)
+
+    @property
+    def candidates(self) -> list[str]:
+        """Return every effect of the rig and every tolerated parameter."""
+        rig = self.cases[0].rig
+        tolerated = [
+            f"param.{key}"
+            for key in self.model.fitted(self.cases[0])
+            if rig.parameters[key].tolerance and not rig.parameters[key].free
+        ]
+        present = rig.effects
+        return [*(e.id for e in self.model.effects if e.id not in present), *tolerated]
+
+    def fitted(self, hypothesis: Hypothesis, near: Fit | None = None) -> Fit:
+        """Return the fit of a hypothesis, fitted once."""
+        if hypothesis not in self.fits:
+            self.progress("fitting " + (" + ".join(hypothesis.members) or "the baseline"))
+            self.fits[hypothesis] = fit(self.model, self.cases, hypothesis, near)
+        return self.fits[hypothesis]
+
+    def _fitted_with(self, base: Fit, names: Sequence[str]) -> dict[str, Fit]:
+        """Return the fits of a base with each of some candidates added."""
+
+        def add(name: str) -> Fit:
+            return self.fitted(base.hypothesis.adding(name), base)
+
+        found = dict(zip(names, side_by_side(add, names, self._at_a_time), strict=True))
+        for name, closer in found.items():
+            if self.model.steady and explained(base, closer) < -DECISIVE:
+                self._hopeless.setdefault(name, []).append(base.hypothesis)
+        return found
+
+    def _best_fitted(self, base: Fit, promises: Mapping[str, float]) -> dict[str, Fit]:
+        """Return the fits of a base with each candidate that may still turn out the best.
+
+        What has promised most is fitted first; the others have to promise enough to reach it.
+        """
+        ranked = sorted(promises, key=promises.__getitem__, reverse=True)
+        found = self._fitted_with(base, ranked[:FITTED_FIRST])
+        best = max((explained(base, closer) for closer in found.values()), default=0.0)
+        near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > best]
+        found |= self._fitted_with(base, near)
+        return {name: found[name] for name in promises if name in found}

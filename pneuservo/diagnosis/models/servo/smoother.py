@@ -1,0 +1,140 @@
+"""The filter and smoother that a noisy displacement is passed through."""
+
+import math
+
+import numpy as np
+
+from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
+from pneuservo.plant.compilation import compiled
+
+FORCE_CHANGE_TIME = 5e-3
+"""Within this time the force on a moving piston jumps [s]."""
+REST_CHANGE = 0.02
+"""By so much it may while the piston comes to rest, whatever the pressures do [m/s^2]."""
+CREEP_TIME = 5e-3
+"""For this time a piston creeps one way [s]."""
+GLIDING = 0.0
+"""Speed of creep that stands for a piston that comes to rest."""
+
+
+@compiled
+def _transition(interval, creeps):
+    """Return how displacement, velocity, acceleration and the transducer's zero go on."""
+    step = np.eye(4)
+    step[0, 1] = interval
+    if creeps:
+        step[1, 1] = math.exp(-interval / CREEP_TIME)
+        step[2, 2] = 0.0
+    else:
+        step[0, 2] = 0.5 * interval**2
+        step[1, 2] = interval
+    step[3, 3] = math.exp(-interval / WANDER_TIME)
+    return step
+
+
+@compiled
+def _spread_out(spread, interval, driving_variance, change):
+    """Add what the noise of the driving force and a jumping disturbance make uncertain."""
+    h, wander = interval, change * change / FORCE_CHANGE_TIME
+    push = np.array([0.5 * h * h, h, 0.0])
+    for i in range(3):
+        for j in range(3):
+            spread[i, j] += driving_variance * push[i] * push[j]
+    walk = np.array([h**2.5 / 20.0**0.5, h**1.5 / 3.0**0.5, h**0.5])
+    # The exact covariance of an integrated random walk.
+    spread[0, 0] += wander * walk[0] ** 2
+    spread[0, 1] += wander * h**4 / 8.0
+    spread[1, 0] += wander * h**4 / 8.0
+    spread[0, 2] += wander * h**3 / 6.0
+    spread[2, 0] += wander * h**3 / 6.0
+    spread[1, 1] += wander * walk[1] ** 2
+    spread[1, 2] += wander * h**2 / 2.0
+    spread[2, 1] += wander * h**2 / 2.0
+    spread[2, 2] += wander * walk[2] ** 2
+
+
+@compiled
+def smooth(time, measured, variance, driving, driving_variance, change, rest, creep, friction):
+    """Return the likeliest motion behind a displacement, and how likely each reading is.
+
+    Parameters
+    ----------
+    time : (n,) array
+        Strictly increasing [s].
+    measured : (n,) array
+        Displacement; NaN where there is none [m].
+    variance : float
+        Of its white noise [m^2].
+    driving : (n,) array
+        Acceleration that the measured pressures would give without friction [m/s^2].
+    driving_variance : float
+        Of its noise [m^2/s^4].
+    change : float
+        By which an unmodelled acceleration may jump while the piston moves [m/s^2].
+    rest : (n,) array of bool
+        While the piston rests.
+    creep : float
+        Speed at which it creeps then, or `GLIDING` [m/s].
+    friction : float
+        Acceleration that the Coulomb friction takes [m/s^2].
+
+    Returns
+    -------
+    states : (n, 4) array
+        Displacement [m], velocity [m/s], acceleration beside the driving one [m/s^2], and how far
+        the zero of the transducer has wandered [m].
+    velocity_variance : (n,) array
+        [m^2/s^2].
+    likelihood : (n,) array
+        Logarithm of that of each reading given those before, but for a constant.
+    """
+    n = time.shape[0]
+    predicted, filtered = np.zeros((n, 4)), np.zeros((n, 4))
+    spread_predicted, spread_filtered = np.zeros((n, 4, 4)), np.zeros((n, 4, 4))
+    state, likelihood = np.zeros(4), np.zeros(n)
+    wandering = LIKELY_WANDER**2 * variance
+    spread = np.diag(np.array([1e-4, 1.0, 1e4, wandering]))
+    for k in range(n):
+        if k:
+            h = time[k] - time[k - 1]
+            creeps = rest[k] and creep > GLIDING
+            step = _transition(h, creeps)
+            if rest[k] != rest[k - 1]:
+                # Moving, it is what friction takes of the driving force; at rest, all there is.
+                spread[2, 2] += (friction + abs(driving[k])) ** 2
+            state = step @ state
+            spread = step @ spread @ step.T
+            if creeps:
+                spread[1, 1] += creep * creep * (1.0 - step[1, 1] ** 2)
+                spread[2, 2] += (creep / CREEP_TIME) ** 2
+            elif rest[k]:
+                _spread_out(spread, h, 0.0, REST_CHANGE)
+            else:
+                mean = 0.5 * (driving[k] + driving[k - 1])
+                state[0] += 0.5 * h * h * mean
+                state[1] += h * mean
+                _spread_out(spread, h, driving_variance, change)
+            spread[3, 3] += wandering * (1.0 - step[3, 3] ** 2)
+        predicted[k] = state
+        spread_predicted[k] = spread
+        if measured[k] == measured[k]:
+            row = spread[0] + spread[3]
+            expected, error = row[0] + row[3] + variance, measured[k] - state[0] - state[3]
+            likelihood[k] = -0.5 * (math.log(expected) + error * error / expected)
+            gain = row / expected
+            state = state + gain * error
+            for i in range(4):
+                for j in range(4):
+                    spread[i, j] -= gain[i] * row[j]
+        filtered[k] = state
+        spread_filtered[k] = spread
+    velocity_variance = np.empty(n)
+    velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
+    for k in range(n - 2, -1, -1):
+        step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING)
+        back = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
+        filtered[k] = filtered[k] + back @ (filtered[k + 1] - predicted[k + 1])
+        gained = back @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ back.T
+        spread_filtered[k] = spread_filtered[k] + gained
+        velocity_variance[k] = spread_filtered[k, 1, 1]
+    return filtered, velocity_variance, likelihood
