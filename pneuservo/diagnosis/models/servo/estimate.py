@@ -62,5 +62,5 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The baseline.
     """
-    gains, shares, _, known = learn_to_observe(fed, rig)
-    return replace(fed, gains=gains, shares=shares, force_rms=known, done=Recent())
+    gains, shares, *_ = learn_to_observe(fed, rig)
+    return replace(fed, gains=gains, shares=shares, done=Recent())

@@ -8,10 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.motion import smooth_motion
+from pneuservo.diagnosis.models.servo.motion import averaged_samples, smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
-from pneuservo.diagnosis.models.servo.stops import around, resting, touching
-from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.diagnosis.models.servo.stops import (
+    AVERAGED_AT_REST,
+    around,
+    resting,
+    touching,
+)
+from pneuservo.diagnosis.noise import LIKELY_WANDER, noise_floor
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
@@ -86,8 +91,6 @@ class Feed:
         What each error of expectation corrects, in the observer.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
-    force_rms : (n,) array
-        How well both pressures tell the force on the piston [N].
     done : Recent
         Results of the last few runs, one for all channels.
     """
@@ -115,8 +118,18 @@ class Feed:
     spread_of_force: float
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
-    force_rms: Array = field(default_factory=lambda: np.empty(0), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
+
+    @property
+    def interval(self) -> float:
+        """Return the time between two samples [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def force_rms_at_rest(self) -> float:
+        """Return how well averages of both pressures tell the force on a piston at rest [N]."""
+        samples = averaged_samples(self.interval, AVERAGED_AT_REST)
+        return self.spread_of_force * math.sqrt(1.0 / samples + LIKELY_WANDER**2)
 
     def noise_of(self, channels: Sequence[str]) -> Array:
         """Return the noise of some channels, one of those that were not recorded [SI]."""
@@ -212,7 +225,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
             [np.full_like(fed.time, np.mean(motion[0])), *np.zeros((2, len(fed.time)))]
         )
         velocity_rms = np.zeros_like(fed.time)
-    interval = float(np.median(np.diff(fed.time)))
+    interval = fed.interval
     stroke, slow = rig["piston.stroke"], STICKING * reversal
     near, still = touching(motion[0], interval, stroke), _held(motion[1], slow, interval)
     rests = np.zeros(len(fed.time), dtype=np.int64)
@@ -220,6 +233,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         friction = rig["piston.coulomb_friction"] + force_rms
         rests = resting(motion[0], still, mass * driving, friction, interval, stroke)
     motion[1:, rests != 0] = 0.0
+    stuck = _held(motion[1], CREEPING, interval) & rest & ~near & (rests == 0) & all(fed.measured)
     moved = replace(
         fed,
         motion=motion,
@@ -229,11 +243,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         touching=near,
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
-        stuck=_held(motion[1], CREEPING, interval)
-        & rest
-        & ~near
-        & (rests == 0)
-        & all(fed.measured),
+        stuck=stuck,
         done=Recent(),
     )
     return replace(moved, spread=_spread(moved, rig))

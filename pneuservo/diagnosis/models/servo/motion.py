@@ -84,7 +84,7 @@ def smooth_motion(
     moving, change = max(tried, key=lambda found: float(np.sum(found[0][2])))
     rest_likelihood = smoothed(everywhere, change, GLIDING)[2]
     interval = float(np.median(np.diff(time)))
-    most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(_averaged_samples(interval))
+    most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(averaged_samples(interval))
     rest = _at_rest(rest_likelihood - moving[2], interval)
     rest[_swing(known, interval) > most] = False
     states, variances, _ = moving
@@ -111,24 +111,33 @@ def _swing(driving: Array, interval: float) -> Array:
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     width = max(1, round(REST_TIME / interval))
-    smooth = averaged_force(driving, interval)
+    smooth = averaged(driving, interval)
     return np.asarray(maximum_filter1d(smooth, width) - minimum_filter1d(smooth, width))
 
 
-def averaged_force(force: Array, interval: float) -> Array:
-    """Return a force without most of the noise of the pressures behind it.
+def averaged(readings: Array, interval: float, over: float = FORCE_SMOOTHING) -> Array:
+    """Return pressures, or the force that they give, without most of their noise.
 
     Parameters
     ----------
-    force : (n,) array
-        Or the acceleration that it gives [any unit].
+    readings : (..., n) array
+        [any unit].
     interval : float
         Of the samples [s].
+    over : float, optional
+        Time round each sample that is averaged over [s].
     """
     from scipy.ndimage import uniform_filter1d
 
-    return np.asarray(uniform_filter1d(force, _averaged_samples(interval), mode="nearest"))
+    return np.asarray(uniform_filter1d(readings, averaged_samples(interval, over), mode="nearest"))
 
 
-def _averaged_samples(interval: float) -> int:
-    return max(1, round(FORCE_SMOOTHING / interval))
+def averaged_samples(interval: float, over: float = FORCE_SMOOTHING) -> int:
+    """Return how many samples `averaged` takes the mean of.
+
+    Parameters
+    ----------
+    interval, over : float
+        Of the samples; that is averaged over [s].
+    """
+    return max(1, round(over / interval))

@@ -57,6 +57,7 @@ def observe(
     resting,
     stuck,
     velocity_rms,
+    averaged,
     reversal,
     variance,
     spread,
@@ -96,6 +97,9 @@ def observe(
         While nothing but friction holds the piston.
     velocity_rms : (n,) array
         How well the velocity is known that is taken over [m/s].
+    averaged : (2, n) array
+        Pressures whose force a stuck piston is judged by: the followed ones are off by whatever
+        flows are [Pa].
     reversal : float
         Speed over which friction turns round [m/s].
     variance : (3,) array
@@ -291,9 +295,12 @@ def observe(
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
         rested = rested + interval if held[k + 1] else 0.0
         if stuck[k + 1]:
+            followed_a, followed_b = state[PRESSURE_A], state[PRESSURE_B]
+            state[PRESSURE_A], state[PRESSURE_B] = averaged[0, k + 1], averaged[1, k + 1]
             at_rest[0, k + 1], at_rest[1, k + 1] = balance_at_rest(
                 time[k + 1], state, after[1], rested, external_force[k + 1], servo
             )
+            state[PRESSURE_A], state[PRESSURE_B] = followed_a, followed_b
     return left, path, known, drawn, at_rest
 
 

@@ -7,7 +7,9 @@ from pneuservo.diagnosis.models.servo.advance import longest_step_beside
 from pneuservo.diagnosis.models.servo.charging import charging_flow
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
+from pneuservo.diagnosis.models.servo.motion import averaged
 from pneuservo.diagnosis.models.servo.observer import observe
+from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import beyond_wander, expected_supply
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
@@ -128,7 +130,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
         expected = _expected_supply(fed, values, known, drawn)
         beyond = beyond_wander(fed.time, fed.supply_reading - expected)
     force, holding = at_rest
-    spread = np.maximum(np.hypot(fed.force_rms, UNEVEN * holding), 1e-9)
+    spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
     excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)
     slipping = np.clip(excess / spread, -ASTRAY, ASTRAY)
     return np.vstack([left, beyond, np.nan_to_num(slipping, nan=ASTRAY)])
@@ -230,6 +232,7 @@ def _observe(
         fed.resting,
         fed.stuck,
         fed.velocity_rms,
+        averaged(pressures, fed.interval, AVERAGED_AT_REST),
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.noise_of(FOLLOWED) ** 2,
         fed.spread,

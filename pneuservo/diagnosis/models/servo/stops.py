@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.models.servo.motion import averaged_force
+from pneuservo.diagnosis.models.servo.motion import averaged
 
 NEAR_STOP = 5e-4
 """Distance from a stop within which the piston may touch it [m]."""
@@ -18,6 +18,8 @@ PRESSED_FOR = 0.05
 """Time for which it has to be [s]."""
 UNSURE = 0.015
 """When a rest begins and ends is known to within this [s]."""
+AVERAGED_AT_REST = 0.02
+"""Time over which the pressures are averaged whose force a piston at rest is judged by [s]."""
 APART = 0.1
 """The force on a piston at rest is judged this often: its error is that of the zeros [s]."""
 
@@ -76,7 +78,7 @@ def resting(
     """
     from scipy.ndimage import binary_opening
 
-    push = averaged_force(force, interval)
+    push = averaged(force, interval)
     window = np.ones(max(2, round(PRESSED_FOR / interval)))
     retracted = still & (push < -PRESSED * friction) & (displacement < FARTHEST)
     extended = still & (push > PRESSED * friction) & (displacement > stroke - FARTHEST)
