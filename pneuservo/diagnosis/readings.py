@@ -8,9 +8,6 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.problem import values_in_each
 
-OVERWHELMING = 0.5
-"""One reading that is so many times less unlikely than the other needs no fit to be the better."""
-
 
 def likeliest(
     model: Model, readings: Sequence[Sequence[Case]], progress: Callable[[str], None]
@@ -29,21 +26,15 @@ def likeliest(
     Notes
     -----
     All recordings are read in the same way. The baseline is fitted first: parameters that are off
-    within their tolerances would decide instead.
+    would decide instead, by whatever factor.
     """
     if len(readings) == 1:
         return 0, None
-    unlikely = [model.unlikeliness(read, [{} for _ in read]) for read in readings]
-    left = [i for i, u in enumerate(unlikely) if OVERWHELMING * u < min(unlikely)]
-    if len(left) == 1:
-        return left[0], None
     progress("fitting the baseline to each way in which the command may be read")
-    fits = {i: fit(model, readings[i], Hypothesis()) for i in left}
-    fitted = {
-        i: model.unlikeliness(
-            readings[i], values_in_each(readings[i], readings[i][0], found.shared, found.own)
-        )
-        for i, found in fits.items()
-    }
-    best = min(left, key=fitted.__getitem__)
+    fits = [fit(model, read, Hypothesis()) for read in readings]
+    unlikely = [
+        model.unlikeliness(read, values_in_each(read, read[0], found.shared, found.own))
+        for read, found in zip(readings, fits, strict=True)
+    ]
+    best = unlikely.index(min(unlikely))
     return best, fits[best]
