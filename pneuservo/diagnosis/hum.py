@@ -18,10 +18,6 @@ _BESIDE = (0.5, 6.0)
 _LEAST_SEEN = 0.1
 """Share of the samples that a channel has to show a line in."""
 _STEP = 0.01
-_SAME_LINE = 0.9
-"""Coherence of two lines of one frequency, at least."""
-_LEAST_SHOWN = 0.1
-"""A smaller share of a line than this is not told from none."""
 _HIGHEST = 0.45
 """Share of the sampling rate up to which lines are looked for."""
 
@@ -88,44 +84,6 @@ def hum_in(residuals: Sequence[Array], shares: Sequence[Array], time: Array) -> 
             if ratio > LINE:
                 found[place] += line
     return found
-
-
-def hum_behind(line: Array, before: Array, taken: Array) -> Array:
-    """Return the hum in a channel, from how a line changed when some of it was taken out.
-
-    Parameters
-    ----------
-    line : (n,) array
-        What a model that follows its readings leaves of the hum now ...
-    before : (n,) array
-        ... and left of it before ...
-    taken : (n,) array
-        ... this was taken out of the readings.
-
-    Returns
-    -------
-    (n,) array
-        The line as it is where it is not the one of before.
-
-    Examples
-    --------
-    >>> hum = np.sin(2 * np.pi * 50.0 * np.arange(4000) * 1e-3)
-    >>> shown = 0.2 * hum  # by a model that follows four fifths of it
-    >>> rest = hum_behind(0.2 * (hum - shown), shown, shown)
-    >>> bool(np.allclose(shown + rest, hum))
-    True
-    """
-    from scipy.signal import hilbert
-
-    if not (np.any(line) and np.any(before)):
-        return line
-    now, then, out = hilbert(line), hilbert(before), hilbert(taken)
-    alike = abs(np.vdot(now, out)) / (np.linalg.norm(now) * np.linalg.norm(out))
-    # Of a line the model shows a share, a little later or earlier: a complex number.
-    shown = np.vdot(out, then - now) / np.vdot(out, out)
-    if alike < _SAME_LINE or abs(shown) < _LEAST_SHOWN:
-        return line
-    return np.asarray((now / shown).real)
 
 
 def _strength(lines: Sequence[Sequence[tuple[float, Array]]]) -> float:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.hum import hum_behind, hum_in
+from pneuservo.diagnosis.hum import hum_in
 from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
 from pneuservo.diagnosis.models.servo.feed import (
@@ -51,7 +51,7 @@ _FEWEST_RESTS = 4
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
-_HUM_PASSES = 4
+_HUM_PASSES = 2
 _ROWS = (*CHANNELS, AT_REST)
 _PLACE = CHANNELS.index("displacement")
 _REVERSAL_SPREAD = 1.0
@@ -261,7 +261,6 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
     Innovations show a line as it is read; what is taken out shows what the motion had taken up.
     """
     fed = _fed(recording, rig, ramped)
-    before = taken = [np.zeros_like(fed.time)] * len(CHANNELS)
     for _ in range(_HUM_PASSES):
         noise = fed.noise_of(CHANNELS)
         left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
@@ -270,13 +269,11 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
         left[_PLACE, fed.held] = smoothed_out[fed.held]
         shares[_PLACE, fed.held] = 1.0
-        lines = hum_in(list(left), list(shares), fed.time)
-        if not np.any(lines):
+        hum = hum_in(list(left), list(shares), fed.time)
+        if not np.any(hum):
             break
-        taken = [hum_behind(*seen) for seen in zip(lines, before, taken, strict=True)]
-        before = lines
         channels = dict(recording.channels)
-        for name, waves, scale in zip(CHANNELS, taken, noise, strict=True):
+        for name, waves, scale in zip(CHANNELS, hum, noise, strict=True):
             if name in channels:
                 channels[name] = channels[name] - scale * waves
         recording = replace(recording, channels=channels)
