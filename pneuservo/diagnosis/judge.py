@@ -171,7 +171,7 @@ class ByGain:
         """Return whether a candidate explains more than chance, imitations and form would."""
         explains, least = drop, LEAST_DISTANCE
         if not name.startswith("param."):
-            if drop <= DECISIVE or self._too_small(name, closer):
+            if drop <= DECISIVE or self._is_not_itself(name, closer):
                 return False
             # Where the named law and the real one differ in form a little is always left ...
             first = not self.current.hypothesis.members
@@ -218,7 +218,16 @@ class ByGain:
                 found.append(_ONE_CHANNEL * here / explains)
         return max(found)
 
-    def _too_small(self, name: str, found: Fit) -> bool:
-        """Return whether an effect came out smaller than real parts ever show it."""
-        size = next(effect.parameters[0] for effect in self.effects if effect.id == name)
-        return abs(found.shared[f"{name}:{size.name}"]) < size.least
+    def _is_not_itself(self, name: str, found: Fit) -> bool:
+        """Return whether an effect came out as real parts never show it.
+
+        It is too small, or has all of its several parameters at the far ends of their ranges: its
+        law takes the shape of something else.
+        """
+        effect = next(effect for effect in self.effects if effect.id == name)
+        values = [(p, found.shared[effect.key(p.name)]) for p in effect.parameters]
+        size, value = values[0]
+        if abs(value) < size.least:
+            return True
+        ends = [v in {p.low, p.high} - {p.neutral} for p, v in values]
+        return len(ends) > 1 and all(ends)

@@ -7,6 +7,7 @@ import pytest
 
 from pneuservo.diagnosis.judge import LEAST_GAIN, SECOND_SHARE, ByGain
 from pneuservo.diagnosis.screen import _adds
+from pneuservo.effects import effect_by_id
 
 SAMPLES = 10_000
 
@@ -53,6 +54,18 @@ def test_an_effect_in_another_channel_does_not_compete_with_it():
         left(displacement=1.0, pressure_a=1.0),
     )
     assert unseen < SECOND_SHARE
+
+
+@pytest.mark.parametrize(
+    ("frequency", "is_itself"), [(150.0, False), (149.0, True)], ids=["at all ends", "inside"]
+)
+def test_an_effect_at_the_ends_of_all_its_ranges_is_another(frequency, is_itself):
+    mode = effect_by_id("load.transverse-mode", "single-axis")
+    values = {"share": 0.4, "frequency": frequency, "damping": 0.3}
+    assert all(v <= p.high for p, v in zip(mode.parameters, values.values(), strict=True))
+    fit = SimpleNamespace(shared={mode.key(name): value for name, value in values.items()})
+    judge = ByGain(fit, fit, [mode], lambda name, fit: 0.0)
+    assert judge._is_not_itself(mode.id, fit) is not is_itself
 
 
 def leaves(energy, unknowns):
