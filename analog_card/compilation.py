@@ -34,16 +34,18 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
     file would keep running the old physics after that file changed.
     """
     digest = hashlib.sha256(numba.__version__.encode())
-    marks = (mark, "numba", "NamedTuple")
-    watched = {
-        source
-        for package in packages
-        for source in package.rglob("*.py")
-        if any(word in source.read_text() for word in marks)
+    found = {
+        source: source.read_bytes() for package in packages for source in package.rglob("*.py")
     }
-    watched |= {constants for source in watched for constants in _constants_of(source)}
-    for source in sorted(watched):
-        digest.update(source.read_bytes())
+    marks = (mark.encode(), b"numba", b"NamedTuple")
+    watched = {
+        source: content
+        for source, content in found.items()
+        if any(word in content for word in marks)
+    }
+    taken = {file for source, content in watched.items() for file in _constants_of(source, content)}
+    for source in sorted(watched.keys() | taken):
+        digest.update(found.get(source) or source.read_bytes())
     folder = Path(platformdirs.user_cache_dir("pneuservo")) / digest.hexdigest()[:16]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -54,12 +56,12 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
     return folder
 
 
-def _constants_of(source: Path) -> list[Path]:
+def _constants_of(source: Path, content: bytes) -> list[Path]:
     """Return the files that a source file takes constants from."""
     outside = next(folder for folder in source.parents if not (folder / "__init__.py").exists())
     found = [
         outside / f"{module.replace('.', '/')}.py"
-        for module, names in _IMPORT.findall(source.read_text())
+        for module, names in _IMPORT.findall(content.decode())
         if _CONSTANT.search(names)
     ]
     return [constants for constants in found if constants.exists()]

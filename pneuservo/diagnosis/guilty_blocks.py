@@ -44,14 +44,13 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         if words and words not in regimes.setdefault(block, []):
             regimes[block].append(words)
 
-    for member, before, after in zip(search.accepted, fits, fits[1:], strict=False):
-        block = block_of(search, member)
+    guilty = [block_of(search, member) for member in search.accepted]
+    if diagnosis.unexplained is not None:
+        guilty.append(diagnosis.unexplained.table.block)
+        fits.append(diagnosis.repaired)
+    for block, before, after in zip(guilty, fits, fits[1:], strict=False):
         drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
         blame(block, float(np.sum(drop)) / whole, drop)
-    if diagnosis.unexplained is not None:
-        before, after = fits[-1], diagnosis.repaired
-        drop = np.concatenate(before.residuals) ** 2 - np.concatenate(after.residuals) ** 2
-        blame(diagnosis.unexplained.table.block, float(np.sum(drop)) / whole, drop)
     # What nothing explains belongs to the block whose output is judged.
     rest = max(0.0, 1.0 - sum(shares.values()))
     # Where the noise is known to a fifth only, a small excess over it is nobody's fault.
@@ -66,7 +65,7 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     if total <= 0.0:
         # So little that none of them stands out.
         shares, total = dict.fromkeys(shares, 1.0), float(len(shares))
-    located = [
+    entries = [
         {
             "block": block,
             "share": share / total,
@@ -75,7 +74,7 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         }
         for block, share in shares.items()
     ]
-    return sorted(located, key=lambda entry: -entry["share"])
+    return sorted(entries, key=lambda entry: -entry["share"])
 
 
 def _wrong_parameters(search: Search) -> list[dict[str, Any]]:

@@ -14,6 +14,7 @@ from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thi
 
 # For people: a scale, the unit to print, and what is subtracted first.
 _DISPLAY = {"Pa": (1e-5, "bar"), "N": (1.0, "N"), "V": (1e3, "mV"), "m": (1e3, "mm")}
+_FITS = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
 _CLOSE = 5.0
 """Residuals within this factor of the noise are drawn on a linear axis."""
 _CHAINS = {
@@ -122,8 +123,7 @@ def _forces_at_rest(
 ) -> None:
     first, judged = diagnosis.search.cases[0], case.usable
     time = case.recording.time[judged]
-    looks = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
-    for found, (label, colour) in zip(fits, looks, strict=True):
+    for found, (label, colour) in zip(fits, _FITS, strict=True):
         values = values_in(case, first, found.shared, found.own[index])
         force, holding = diagnosis.model.forces_at_rest(case, values)[:, judged]
         axes.scatter(
@@ -149,9 +149,8 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
         lw=2.2,
         label="measured",
     )
-    labels = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
     repaired = diagnosis.search.accepted or diagnosis.unexplained is not None
-    for found, (label, colour) in zip(fits, labels, strict=True):
+    for found, (label, colour) in zip(fits, _FITS, strict=True):
         if label == "repaired" and not repaired:
             continue
         first = diagnosis.search.cases[0]

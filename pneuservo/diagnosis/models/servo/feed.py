@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,12 +121,12 @@ class Feed:
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
 
-    @property
+    @cached_property
     def interval(self) -> float:
         """Return the time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    @property
+    @cached_property
     def force_rms_at_rest(self) -> float:
         """Return how well averages of both pressures tell the force on a piston at rest [N]."""
         samples = averaged_samples(self.interval, AVERAGED_AT_REST)
