@@ -200,8 +200,10 @@ class ByGain:
         ]
         rivals = {*undecided, *alike}
         fewest = min(tried[name].unknowns for name in rivals)
+        simplest = [n for n in tried if n in rivals and tried[n].unknowns == fewest]
+        limit = min(evidence[name] for name in simplest) + TIED
         # In the catalogue's order.
-        return next(n for n in tried if n in rivals and tried[n].unknowns == fewest)
+        return next(name for name in simplest if evidence[name] < limit)
 
     def share(self, closer: Fit) -> float:
         """Return the share of all that is explained so far, or half of that in one channel.

@@ -183,8 +183,8 @@ class Search(Hypotheses):
         rest = self.fitted(self._with(kept))
         promises = self._promises(rest, self._compatible(kept), keep=(member,))
         needed = explained(rest, self.chosen) / MOST_OVER_PROMISE
-        names = [n for n, promise in promises.items() if n == member or promise > needed]
-        return rest, self._fitted_with(rest, names)
+        near = {n: p for n, p in promises.items() if n == member or p > needed}
+        return rest, self._fitted_with(rest, near)
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
         """Return the same from what had been fitted when the search was interrupted."""
@@ -312,7 +312,7 @@ class Search(Hypotheses):
         """
         alone = self.ledger[-1].candidate
         first = self.fitted(self._with([alone]))
-        tried = self._fitted_with(first, list(self._promises(first, self._compatible([alone]))))
+        tried = self._fitted_with(first, self._promises(first, self._compatible([alone])))
         if not tried:
             return None
         name = min(tried, key=lambda candidate: tried[candidate].rms)

@@ -69,9 +69,11 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
     found = []
     for way in (share, _SMALL * share):
         step = np.linalg.lstsq(near.sensitivity, way * whole - left, rcond=None)[0]
-        sized = begun_at(start, *near.moved(step))
-        np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
-        found.append(sized)
+        # Where it is far from linear, what makes up for it does so at another size.
+        for others in (step, np.zeros_like(step)):
+            sized = begun_at(start, *near.moved(others))
+            np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
+            found.append(sized)
     return found
 
 

@@ -66,16 +66,19 @@ LAMINAR_TAIL = Effect(
     block=_BLOCK,
     rigs=_RIGS,
     statement=(
-        "Close to equal pressures the flow falls in a straight line; the model follows a root."
+        "Close to equal pressures the flow is laminar and linear; the model follows a root."
     ),
-    equation="m = m(1 - width) (1 - Pr)/width for Pr > 1 - width",
+    equation="m = m0/(1 + (width/(1 - Pr))^(sharpness/2))^(1/sharpness)",
     parameters=(
         EffectParameter(
-            "width", "", 0.0, 0.0, 0.2, (0.03,), "pressure drop over which it is laminar",
+            "width", "", 0.0, 0.0, 0.2, (0.03,), "pressure drop below which it is laminar",
             "valve.laminar_width",
         ),
+        EffectParameter(
+            "sharpness", "", 2.0, 1.0, 12.0, (2.0,), "of the change", "valve.laminar_sharpness"
+        ),
     ),
-    source="ISO 6358; Beater 2007, Pneumatic Drives",
+    source="Merritt 1967; blended as in Churchill and Usagi 1972",
     experiment="charge a locked chamber until it stands at the supply pressure",
 )  # fmt: skip
 PORT_ASYMMETRY = Effect(

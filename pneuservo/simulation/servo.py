@@ -199,7 +199,7 @@ def state_behind(initial: InitialState, rig: Rig, plant: SingleAxis) -> InitialS
         reading = getattr(initial, name)
         if reading is not None:
             pair = np.array([reading])
-            found = true_pressures(moment, pair, pair, None, None, plant.gas, sensor)
+            found = true_pressures(moment, pair, pair, sensor)
             known[name] = float(found[name == "pressure_b"][0])
     return dataclasses.replace(initial, **known)
 

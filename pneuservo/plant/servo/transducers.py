@@ -172,12 +172,9 @@ def true_pressures(
     time: Samples,
     pressure_a: Samples,
     pressure_b: Samples,
-    mass_flow_a: Samples | None,
-    mass_flow_b: Samples | None,
-    gas: Gas,
     sensor: SensorEffects,
 ) -> tuple[Samples, Samples]:
-    """Return the pressures behind what the transducers read [Pa].
+    """Return the pressures behind what the transducers read of still air [Pa].
 
     Parameters
     ----------
@@ -185,10 +182,6 @@ def true_pressures(
         [s].
     pressure_a, pressure_b : (n,) array
         As read [Pa].
-    mass_flow_a, mass_flow_b : (n,) array or None
-        Through the pipes; needed for the static reading [kg/s].
-    gas : Gas
-        The gas.
     sensor : SensorEffects
         The effects.
 
@@ -197,9 +190,9 @@ def true_pressures(
     A lag is undone by one derivative of the reading, so that it amplifies noise.
     """
     found = []
-    for reading, flow, gain, offset in (
-        (pressure_a, mass_flow_a, sensor.pressure_a_gain, sensor.pressure_a_offset),
-        (pressure_b, mass_flow_b, sensor.pressure_b_gain, sensor.pressure_b_offset),
+    for reading, gain, offset in (
+        (pressure_a, sensor.pressure_a_gain, sensor.pressure_a_offset),
+        (pressure_b, sensor.pressure_b_gain, sensor.pressure_b_offset),
     ):
         pressure = reading
         if sensor.hum != 0.0:
@@ -209,8 +202,5 @@ def true_pressures(
             pressure = pressure + sensor.pressure_lag * np.gradient(pressure, time)
         if sensor.pressure_skew != 0.0:
             pressure = np.interp(time - sensor.pressure_skew, time, pressure)
-        pressure = (pressure - offset) / (1.0 + gain)
-        if sensor.static_share != 0.0 and flow is not None:
-            pressure = pressure + sensor.static_share * dynamic_pressure(flow, pressure, gas)
-        found.append(pressure)
+        found.append((pressure - offset) / (1.0 + gain))
     return found[0], found[1]

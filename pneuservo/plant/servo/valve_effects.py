@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from pneuservo.plant.asymptotes import lesser
 from pneuservo.plant.gas import gas_mass_flow, mass_flow_coefficient
 from pneuservo.plant.servo.compilation import compiled
 
@@ -26,7 +27,9 @@ class ValveEffects(NamedTuple):
     critical_ratio: float = 0.0
     """Pressure ratio b of the ellipse of ISO 6358 [-]; 0 for the isentropic nozzle."""
     laminar_width: float = 0.0
-    """Share of the pressure ratio below 1 over which the flow is linear in it [-]."""
+    """Pressure drop, as a share, below which the flow is laminar [-]."""
+    laminar_sharpness: float = 2.0
+    """How sharply it becomes so, see `pneuservo.plant.asymptotes.lesser` [-]."""
     exhaust_excess: float = 0.0
     """Exhaust paths wider than the rig has them, relative [-]."""
     side_excess: float = 0.0
@@ -118,7 +121,8 @@ def flow_factor(pressure_ratio, gas, effects):
     Notes
     -----
     ISO 6358: sqrt(1 - ((Pr - b)/(1 - b))^2) in place of (4.17), 1 below b. In the laminar tail
-    the flow falls in a straight line from its value at 1 - width to 0 at 1.
+    the discharge coefficient falls with the root of the pressure drop, so that the flow is linear
+    in it; how soon depends on the edge (Merritt 1967: with the root of the Reynolds number).
 
     Examples
     --------
@@ -132,14 +136,14 @@ def flow_factor(pressure_ratio, gas, effects):
     nozzle = mass_flow_coefficient(pressure_ratio, gas)
     if nozzle == 0.0:
         return 1.0
-    edge = min(pressure_ratio, 1.0 - effects.laminar_width)
-    flow = mass_flow_coefficient(edge, gas)
+    factor = 1.0
     if effects.critical_ratio > 0.0:
-        along = max(edge - effects.critical_ratio, 0.0) / (1.0 - effects.critical_ratio)
-        flow = gas.choked_coefficient * math.sqrt(1.0 - along * along)
-    if edge < pressure_ratio:
-        flow *= (1.0 - pressure_ratio) / effects.laminar_width
-    return flow / nozzle
+        along = max(pressure_ratio - effects.critical_ratio, 0.0) / (1.0 - effects.critical_ratio)
+        factor = gas.choked_coefficient * math.sqrt(1.0 - along * along) / nozzle
+    if effects.laminar_width > 0.0:
+        limit = math.sqrt((1.0 - pressure_ratio) / effects.laminar_width)
+        factor *= lesser(1.0, limit, effects.laminar_sharpness)
+    return factor
 
 
 @compiled

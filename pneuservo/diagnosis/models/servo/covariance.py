@@ -62,6 +62,7 @@ def carry_on(
     state,
     speed,
     reversal,
+    unsteadiness,
     interval,
     spread,
     held,
@@ -83,6 +84,8 @@ def carry_on(
         As in `pneuservo.plant.servo.chain.derivative`.
     speed, reversal : float
         Smoothed velocity of the piston, and over how much of it friction turns round [m/s].
+    unsteadiness : float
+        Unmodelled force as a multiple of `FORCE_STEP` and `TURNING_STEP` [-].
     interval : float
         [s].
     spread : (2,) array
@@ -130,7 +133,8 @@ def carry_on(
             covariance[side, :] /= beyond
             covariance[:, side] /= beyond
     turning = 1.0 - math.tanh(speed / reversal) ** 2
-    unknown = (FORCE_STEP + TURNING_STEP * turning) * piston.coulomb_friction / mass
+    unknown = unsteadiness * (FORCE_STEP + TURNING_STEP * turning)
+    unknown *= piston.coulomb_friction / mass
     covariance[SPEED, SPEED] += unknown * unknown * FORCE_TIME * interval
 
 

@@ -88,6 +88,9 @@ class Feed:
         Noise of each judged channel [SI].
     spread_of_force : float
         What the noise of both pressures makes of the force on the piston [N].
+    unsteadiness : float
+        Unmodelled force that the observer allows for, see
+        `pneuservo.diagnosis.models.servo.covariance.carry_on` [-].
     gains : (n, GAIN_ROWS, 3) array
         What each error of expectation corrects, in the observer.
     shares : (n, 3) array
@@ -117,6 +120,7 @@ class Feed:
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
+    unsteadiness: float = 1.0
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)

@@ -37,7 +37,11 @@ from pneuservo.plant.servo.layout import (
 )
 from pneuservo.plant.servo.load_effects import rigid_mass
 from pneuservo.plant.servo.memory import begin
-from pneuservo.plant.servo.sensor_effects import displacement_error, displacement_gain
+from pneuservo.plant.servo.sensor_effects import (
+    displacement_error,
+    displacement_gain,
+    dynamic_pressure,
+)
 from pneuservo.plant.servo.stop_effects import resting_place
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FREE, SPOOL_LIMIT
@@ -59,6 +63,7 @@ def observe(
     velocity_rms,
     averaged,
     reversal,
+    unsteadiness,
     variance,
     spread,
     gains,
@@ -102,6 +107,8 @@ def observe(
         flows are [Pa].
     reversal : float
         Speed over which friction turns round [m/s].
+    unsteadiness : float
+        Unmodelled force, see `pneuservo.diagnosis.models.servo.covariance.carry_on` [-].
     variance : (3,) array
         Of the noise of each reading, SI.
     spread : (2, n) array
@@ -180,6 +187,7 @@ def observe(
                 state,
                 true[1, k],
                 reversal,
+                unsteadiness,
                 interval,
                 spread[:, k],
                 held[k],
@@ -222,7 +230,7 @@ def observe(
             work,
         )
         port = supply_at_valve(state, drive, interval, servo)
-        _, _, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
+        flow_a, flow_b, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
         felt += (after[1] - felt) * followed(interval, effects.friction.lag)
         now = push(
             time[k + 1],
@@ -255,6 +263,10 @@ def observe(
             break
         error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
+        missed = effects.sensor.static_share
+        if missed != 0.0:
+            error[0] += missed * dynamic_pressure(flow_a, state[PRESSURE_A], plant.gas)
+            error[1] += missed * dynamic_pressure(flow_b, state[PRESSURE_B], plant.gas)
         error[2] = math.nan if held[k + 1] else readings[2, k + 1] - position - zeros[2]
         error[2] += behind[k + 1]
         if learning:

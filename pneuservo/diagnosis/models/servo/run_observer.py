@@ -4,7 +4,6 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.models.servo.advance import longest_step_beside
-from pneuservo.diagnosis.models.servo.charging import charging_flow
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.motion import averaged
@@ -63,6 +62,8 @@ def numbers(values: Values, rig: Rig) -> tuple[SingleAxis, ServoEffects]:
 def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, Array]:
     """Return motion and pressures behind what faulty transducers read.
 
+    But for the dynamic pressure of flows, which the observer knows.
+
     Parameters
     ----------
     fed : Feed
@@ -81,17 +82,11 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
     motion = behind_drift(fed.time, fed.motion, effects.unexplained_drift)
     place, speed = true_motion(motion[0], motion[1], motion[2], stroke, sensor)
     slope = 1.0 + sensor.displacement_gain
-    flows: tuple[Array | None, Array | None] = (None, None)
-    if sensor.static_share:
-        flows = (
-            charging_flow(fed.pressures[0], fed.pressure_rates[0], place, speed, plant, "a"),
-            charging_flow(fed.pressures[1], fed.pressure_rates[1], place, speed, plant, "b"),
-        )
     # A shift in time is undone with the smoothed rate: shifting the reading would smooth its noise.
     shift = sensor.pressure_lag - sensor.pressure_skew
     readings = fed.pressures + shift * fed.pressure_rates
     still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
-    pressures = true_pressures(fed.time, readings[0], readings[1], *flows, plant.gas, still)
+    pressures = true_pressures(fed.time, readings[0], readings[1], still)
     return np.array([place, speed, motion[2] / slope]), np.array(pressures)
 
 
@@ -234,6 +229,7 @@ def _observe(
         fed.velocity_rms,
         averaged(pressures, fed.interval, AVERAGED_AT_REST),
         fed.reversal * values.get(REVERSAL, 1.0),
+        fed.unsteadiness,
         fed.noise_of(FOLLOWED) ** 2,
         fed.spread,
         gains,
