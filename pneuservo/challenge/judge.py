@@ -30,6 +30,8 @@ class Judged:
         Residuals over noise, parameter error, seconds, visibility.
     probability : float
         Of the first name.
+    class_probability : float
+        Of all names that were called as good as the first one, or are of its class.
     shared : bool
         Whether truth and catalogue may share the formula.
     """
@@ -42,6 +44,7 @@ class Judged:
     right: Mapping[str, bool] = field(default_factory=dict)
     figures: Mapping[str, float] = field(default_factory=dict)
     probability: float = 0.0
+    class_probability: float = 0.0
     shared: bool = False
 
     @property
@@ -103,7 +106,7 @@ def judge(
     probability = _entries(answer)[0].get("probability", 0.0) if _entries(answer) else 0.0
     return Judged(
         case, key["stratum"], key["visibility"], truth, named, right, figures,
-        float(probability), bool(key["shared"]),
+        float(probability), _class_probability(answer), bool(key["shared"]),
     )  # fmt: skip
 
 
@@ -136,6 +139,22 @@ def names(answer: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _entries(answer: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return list(answer.get("missing") or [])
+
+
+def _class_probability(answer: Mapping[str, Any]) -> float:
+    """Return the probability that what is missing is of the class of the first name."""
+    entries = _entries(answer)
+    if not entries:
+        return 0.0
+    first = entries[0]
+    mates = classmates(str(first.get("effect"))) | set(first.get("class") or [])
+    stated = {str(a.get("effect")): float(a.get("probability", 0.0)) for a in _others(first)}
+    stated[str(first.get("effect"))] = float(first.get("probability", 0.0))
+    return min(sum(stated[name] for name in stated.keys() & mates), 1.0)
+
+
+def _others(entry: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    return list(entry.get("alternatives") or [])
 
 
 def _blocks(answer: Mapping[str, Any]) -> list[str]:
@@ -199,8 +218,7 @@ def _single(key: Mapping[str, Any], answer: Mapping[str, Any], named: tuple[str,
 def _alternatives(entries: list[Mapping[str, Any]]) -> list[str]:
     if not entries:
         return []
-    found = entries[0].get("alternatives") or []
-    ranked = sorted(found, key=lambda entry: -float(entry.get("probability", 0.0)))
+    ranked = sorted(_others(entries[0]), key=lambda entry: -float(entry.get("probability", 0.0)))
     return [str(entry.get("effect")) for entry in ranked]
 
 

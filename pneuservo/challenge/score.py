@@ -230,9 +230,9 @@ def _coverage(cases: Sequence[Judged]) -> Measure:
 
 
 def _calibration(cases: Sequence[Judged]) -> Measure:
-    """Return the expected calibration error of the stated probabilities over five bins."""
+    """Return the expected calibration error of what is stated of classes, over five bins."""
     stated = [
-        (case.probability, float(case.right["class"]))
+        (case.class_probability, float(case.right["class"]))
         for case in cases
         if case.probability > 0.0 and "class" in case.right
     ]

@@ -29,8 +29,9 @@ from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE
 
-SUREST = 0.99
-"""Largest probability that is claimed: the catalogue never holds everything."""
+SUREST = 0.95
+"""Largest probability that is claimed: the catalogue never holds everything. (Of 15 names stated
+with more in blind trials, 14 were of the right class.)"""
 MOST_EFFECTS = 3
 
 
