@@ -58,8 +58,12 @@ EFFECTS = (
         "valve.laminar-tail", PHYSICS, _BLOCK, 500.0, 5e4, "Pa",
         (
             Form(
-                "flow linear in small pressure drops",
+                "discharge coefficient by the flow number",
                 lambda t, s: changed(t, "valve", laminar_pressure=s),
+            ),
+            Form(
+                "viscous and kinetic losses in series",
+                lambda t, s: changed(t, "valve", laminar_pressure=s, laminar_series=1.0),
             ),
         ),
         ("stop-test", "hold", "multilevel"),

@@ -61,7 +61,8 @@ def subsonic_change(ratio, critical, index):
 def edge_flow(valve, path, area, volts, upstream, downstream, temperature, gas_constant):
     """Return the flow through an edge, positive from `upstream` to `downstream` [kg/s].
 
-    m = Cd Y A sqrt(2 rho dp); laminar below a pressure drop where that is asked for.
+    m = Cd Y A sqrt(2 rho dp); laminar below a pressure drop where that is asked for: Cd by the
+    flow number (McCloy and Martin 1980), or losses in series (Forchheimer 1901).
     """
     sign = 1.0
     if downstream > upstream:
@@ -75,7 +76,11 @@ def edge_flow(valve, path, area, volts, upstream, downstream, temperature, gas_c
     root = drop / math.sqrt(drop + 1e-6)
     if valve.laminar_pressure > 0.0:
         fall = upstream - downstream
-        root *= math.sqrt(fall / (fall + valve.laminar_pressure))
+        if valve.laminar_series > 0.0:
+            viscous = 0.5 * math.sqrt(valve.laminar_pressure / max(fall, 1e-9))
+            root /= viscous + math.sqrt(1.0 + viscous * viscous)
+        else:
+            root *= math.tanh(math.sqrt(fall / valve.laminar_pressure))
     if valve.critical_ratio != RATED_RATIO or valve.subsonic_index != 0.5:
         root *= subsonic_change(ratio, valve.critical_ratio, valve.subsonic_index)
     coefficient = coefficient_at(valve, path, volts, ratio)

@@ -52,6 +52,7 @@ class Valve(NamedTuple):
     critical_ratio: float = 0.528
     subsonic_index: float = 0.5
     laminar_pressure: float = 0.0  # pressure drop below which flow turns laminar [Pa]
+    laminar_series: float = 0.0  # 1 where viscous and kinetic losses add up at every drop
     attached_gain: float = 0.0  # relative rise of the coefficient of an attached jet
     attach_ratio: float = 0.45
     detach_ratio: float = 0.65

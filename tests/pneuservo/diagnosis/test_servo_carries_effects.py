@@ -47,9 +47,10 @@ def misfit(recording, rig, values):
         (WITHIN_THE_STROKE, {"sensor.position-wiper:half_width": 3e-5}),
         (FROM_STOP_TO_STOP, {"sensor.position-wiper:half_width": 3e-5}),
         (WITHIN_THE_STROKE, {"sensor.position-lag:time": 3e-4}),
+        (WITHIN_THE_STROKE, {"sensor.pressure-static:share": 0.8}),
         (FROM_STOP_TO_STOP, {"endstop.cushion:length": 6e-3, "endstop.cushion:area": 1e-7}),
     ],
-    ids=["compliance", "backlash", "wiper", "wiper at the stops", "lag", "cushion"],
+    ids=["compliance", "backlash", "wiper", "wiper at the stops", "lag", "static tap", "cushion"],
 )
 def test_what_hangs_on_the_piston_is_expected(rig, demand, values):
     baseline = misfit(recorded(rig, demand, 0.5), rig, {})
