@@ -236,7 +236,10 @@ def _as_read(
     readings = model.readings(cases)
     place, baseline = likeliest(model, readings, progress)
     # What is held back may have nothing to judge in the reading that is not asked for.
-    return readings[place], model.readings(held_back)[place] if place else held_back, baseline
+    held_back = model.readings(held_back)[place] if place else held_back
+    followed = model.followed(readings[place])
+    place, baseline = likeliest(model, followed, progress, baseline)
+    return followed[place], model.followed(held_back)[place], baseline
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -1,4 +1,4 @@
-"""How recordings are to be read, where they do not say: the reading that fits better is taken."""
+"""How recordings are to be read and followed: where they do not say, what fits better is taken."""
 
 from collections.abc import Callable, Sequence
 
@@ -10,7 +10,10 @@ from pneuservo.diagnosis.problem import values_in_each
 
 
 def likeliest(
-    model: Model, readings: Sequence[Sequence[Case]], progress: Callable[[str], None]
+    model: Model,
+    readings: Sequence[Sequence[Case]],
+    progress: Callable[[str], None],
+    first: Fit | None = None,
 ) -> tuple[int, Fit | None]:
     """Return the place of the reading that fits best, and its baseline where it was fitted.
 
@@ -22,6 +25,8 @@ def likeliest(
         The same recordings, each time read in another way.
     progress : callable
         Told what is being fitted.
+    first : Fit, optional
+        The baseline of the first reading, where it is known.
 
     Notes
     -----
@@ -29,9 +34,10 @@ def likeliest(
     would decide instead, by whatever factor.
     """
     if len(readings) == 1:
-        return 0, None
-    progress("fitting the baseline to each way in which the command may be read")
-    fits = [fit(model, read, Hypothesis()) for read in readings]
+        return 0, first
+    progress("fitting the baseline to each way in which the recordings may be read")
+    known = [] if first is None else [first]
+    fits = known + [fit(model, read, Hypothesis()) for read in readings[len(known) :]]
     unlikely = [
         model.unlikeliness(read, values_in_each(read, read[0], found.shared, found.own))
         for read, found in zip(readings, fits, strict=True)

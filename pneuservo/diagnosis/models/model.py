@@ -197,6 +197,10 @@ class Model:
         """Return the cases in each way in which recordings may be read that do not say."""
         return [list(cases)]
 
+    def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
+        """Return the cases with each trust that a model which follows them may have in itself."""
+        return [list(cases)]
+
     def unlikeliness(self, cases: Sequence[Case], values: Sequence[Values]) -> float:
         """Return twice the negative log-likelihood of a reading, but for a constant."""
         raise NotImplementedError

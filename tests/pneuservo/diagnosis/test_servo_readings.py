@@ -114,3 +114,17 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     run = simulate(rig, time=TIME, command=steps)
     held = read_as(model, model.cases(noisy(run, rng), rig))
     assert not held[0].inputs["feed"].ramped
+
+
+@pytest.mark.parametrize(("shaken", "place"), [(0.0, 1), (0.3, 0)])
+def test_the_observer_allows_for_a_force_where_there_is_one(rig, shaken, place):
+    rng = np.random.default_rng(3)
+    # Another force every 10 ms, as a share of the Coulomb friction, that nobody recorded.
+    size = shaken * rig["piston.coulomb_friction"]
+    force = np.repeat(rng.normal(0.0, size, len(TIME) // 10 + 1), 10)[: len(TIME)]
+    demand = np.where(TIME % 1.0 < 0.5, 0.010, 0.020)
+    run = simulate(rig, time=TIME, controller=Proportional(), demand=demand, external_force=force)
+    recording = noisy(run, rng, {**NOISE, "displacement": 2e-6})
+    model = ServoModel()
+    followed = model.followed(model.cases(recording, rig))
+    assert likeliest(model, followed, lambda step: None)[0] == place
