@@ -5,6 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pneuservo.diagnosis import hypotheses
+from pneuservo.diagnosis.hypotheses import Hypotheses
+from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_GAIN, SECOND_SHARE, ByGain
 from pneuservo.diagnosis.screen import _adds
 from pneuservo.effects import effect_by_id
@@ -88,8 +91,9 @@ def leaves(energy, unknowns):
         ((0.0, 100.0), (0.0, 20.0), (3, 1), "first"),
         # It leaves no more than that.
         ((0.0, 100.0), (0.0, 9.0), (3, 1), "second"),
-        # As simple and as good: the catalogue's order.
-        ((9.0, 0.0), (9.0, 0.0), (1, 1), "first"),
+        # As simple: the likelier, or where they are tied the catalogue's order.
+        ((9.0, 0.0), (9.0, 0.0), (1, 1), "second"),
+        ((1.0, 0.0), (1.0, 0.0), (1, 1), "first"),
     ],
 )
 def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over, unknowns, named):
@@ -117,3 +121,24 @@ def test_less_than_none_of_an_effect_promises_nothing():
     both = np.column_stack([signature, signature + 0.1 * shape])
     assert _adds(both, signature - 2.0 * both[:, 1])
     assert not _adds(both, -signature)
+
+
+def gained(before, after, best=None):
+    """Stand in for `explained` of fits that know what they gain."""
+    return after.gain - getattr(before, "gain", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("promise", "further", "gains"),
+    [(200.0, 180.0, 180.0), (200.0, 5.0, 20.0), (30.0, 180.0, 20.0), (35.0, 180.0, 20.0)],
+    ids=["kept in the end", "no further", "promised too little", "kept half of it"],
+)
+def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(monkeypatch, promise, further, gains):
+    monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "fit", lambda *args: SimpleNamespace(gain=20.0))
+    monkeypatch.setattr(hypotheses, "polished", lambda *args: SimpleNamespace(gain=further))
+    tried = Hypotheses(SimpleNamespace(steady=True), [])
+    base = SimpleNamespace(gain=0.0)
+    name = Hypothesis().adding("load.spring")
+    assert tried._keeping(promise, base, name).gain == gains
+    assert tried.fits[name].gain == gains
