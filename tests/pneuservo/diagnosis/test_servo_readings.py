@@ -9,6 +9,7 @@ from servo_recordings import NOISE, noisy, recorded
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import likeliest
+from pneuservo.effects.supply import RIPPLE
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
@@ -97,6 +98,14 @@ def test_a_measured_supply_is_held_against_source_and_line(rig):
     assert np.std(sagging["supply_pressure"]) == pytest.approx(1.0, abs=0.1)
     # The chambers are driven by what was measured, whatever the supply is said to do.
     assert np.array_equal(plain["pressure_a"], sagging["pressure_a"])
+
+
+def test_a_ripple_of_a_supply_that_was_not_recorded_shows_in_the_chambers(rig):
+    swing = {"amplitude": 5e3, "frequency": 14.0, "phase": 1.0}
+    true = {f"supply.ripple:{name}": value for name, value in swing.items()}
+    model = ServoModel()
+    cases = model.cases(recorded(rig.with_values(true), Proportional(), 4), rig)
+    assert model.starts(RIPPLE, cases)["frequency"][-1] == pytest.approx(14.0, abs=0.1)
 
 
 def read_as(model, cases):

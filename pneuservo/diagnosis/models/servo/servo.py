@@ -30,7 +30,7 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     run_observer,
 )
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
-from pneuservo.diagnosis.models.servo.supply import strongest_frequency
+from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
@@ -94,11 +94,19 @@ class ServoModel(Model):
         return tuple(effect for effect in super().effects if effect.id not in _ONLY_NOISE)
 
     def starts(self, effect: Effect, cases: Sequence[Case]) -> dict[str, tuple[float, ...]]:
-        """Return the catalogue's starts, but for a ripple whose frequency was recorded."""
+        """Return the catalogue's starts, but for a ripple whose frequency shows.
+
+        Of a supply that was not recorded it shows in both chambers, beside what they do.
+        """
         found = super().starts(effect, cases)
         fed: Feed = cases[0].inputs["feed"]
-        if effect is RIPPLE and fed.supply is not None:
+        if effect is not RIPPLE:
+            return found
+        if fed.supply is not None:
             found["frequency"] = (strongest_frequency(fed.time, fed.supply_reading),)
+        elif any(fed.measured):
+            left = np.sum(_innovations(fed, {}, cases[0].rig)[: len(PRESSURES)], axis=0)
+            found["frequency"] += (sharpest_frequency(fed.time, left),)
         return found
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:

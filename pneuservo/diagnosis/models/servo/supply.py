@@ -16,6 +16,8 @@ from pneuservo.plant.single_axis import SingleAxis
 
 _FINER = 4
 _FEWEST_SWINGS = 3.0
+_BESIDE = 40
+"""So many lines are beside one."""
 _HALVINGS = 40
 """Of the bracket of the pressure after a step: to a billionth of a bar."""
 
@@ -120,15 +122,49 @@ def strongest_frequency(time: Array, reading: Array) -> float:
     >>> round(strongest_frequency(t, 6e5 + np.sin(2 * np.pi * 3.1 * t)), 1)
     3.1
     """
+    frequency, power = _spectrum(time, reading)
+    return float(frequency[int(np.argmax(power))])
+
+
+def sharpest_frequency(time: Array, left: Array) -> float:
+    """Return the frequency at which something swings far more than at those beside it [Hz].
+
+    Parameters
+    ----------
+    time, left : (n,) array
+        [s]; what is left of a channel, in which much else may be stronger.
+
+    Notes
+    -----
+    The highest of the spectrum over its running median.
+
+    Examples
+    --------
+    >>> t = np.arange(4000) * 1e-3
+    >>> slow = np.cumsum(np.random.default_rng(1).standard_normal(4000))
+    >>> round(sharpest_frequency(t, slow + 10.0 * np.sin(2 * np.pi * 14.0 * t)), 1)
+    14.0
+    """
+    from scipy.ndimage import median_filter
+
+    frequency, power = _spectrum(time, left)
+    beside = median_filter(power, _BESIDE * _FINER + 1)
+    return float(frequency[int(np.argmax(power / np.maximum(beside, 1e-9 * np.max(power))))])
+
+
+def _spectrum(time: Array, reading: Array) -> tuple[Array, Array]:
+    """Return the frequencies that a ripple may have [Hz], and the power there."""
     from scipy.signal import detrend
 
     swing = detrend(np.interp(time, time[np.isfinite(reading)], reading[np.isfinite(reading)]))
     step, size = float(np.median(np.diff(time))), _FINER * len(swing)
-    power = np.abs(np.fft.rfft(swing, size)) ** 2
+    power: Array = np.abs(np.fft.rfft(swing, size)) ** 2
+    frequency: Array = np.fft.rfftfreq(size, step)
     # What swings less than three times is as well a drift.
-    lowest = max(RIPPLE.parameters[1].low, _FEWEST_SWINGS / float(time[-1] - time[0]))
-    power[np.fft.rfftfreq(size, step) < lowest] = 0.0
-    return max(float(np.fft.rfftfreq(size, step)[int(np.argmax(power))]), lowest)
+    possible = RIPPLE.parameters[1]
+    lowest = max(possible.low, _FEWEST_SWINGS / float(time[-1] - time[0]))
+    within = (frequency >= lowest) & (frequency <= possible.high)
+    return frequency[within], power[within]
 
 
 @compiled
