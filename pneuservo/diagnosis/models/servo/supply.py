@@ -158,8 +158,8 @@ def _spectrum(time: Array, reading: Array) -> tuple[Array, Array]:
 
     swing = detrend(np.interp(time, time[np.isfinite(reading)], reading[np.isfinite(reading)]))
     step, size = float(np.median(np.diff(time))), _FINER * len(swing)
-    power: Array = np.abs(np.fft.rfft(swing, size)) ** 2
-    frequency: Array = np.fft.rfftfreq(size, step)
+    power = np.asarray(np.abs(np.fft.rfft(swing, size)) ** 2, dtype=np.float64)
+    frequency = np.asarray(np.fft.rfftfreq(size, step), dtype=np.float64)
     # What swings less than three times is as well a drift.
     possible = RIPPLE.parameters[1]
     lowest = max(possible.low, _FEWEST_SWINGS / float(time[-1] - time[0]))
