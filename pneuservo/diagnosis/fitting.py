@@ -34,6 +34,7 @@ def fit(
     near: Fit | None = None,
     fixed: Values | None = None,
     reference: Case | None = None,
+    alone: bool = False,
 ) -> Fit:
     """Fit a hypothesis to recordings by simulating them.
 
@@ -51,6 +52,8 @@ def fit(
         Values of all shared unknowns; only each recording's own are then fitted.
     reference : Case, optional
         The recording that `fixed` is stated for; the first one where it is not given.
+    alone : bool, optional
+        As of `pneuservo.diagnosis.starts.best_start`.
 
     Returns
     -------
@@ -69,7 +72,7 @@ def fit(
     by sheer number of samples.
     """
     if fixed is None:
-        best = best_start(model, cases, hypothesis, near)
+        best = best_start(model, cases, hypothesis, near, alone)
     else:
         best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
         if not best.unknowns:

@@ -52,6 +52,7 @@ class Hypotheses:
     _promising: dict[Any, dict[str, float]] = field(default_factory=dict)
     _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
     """Candidates beside which the fit ended worse than without them."""
+    _ended: set[Hypothesis] = field(default_factory=set)
 
     @property
     def baseline(self) -> Fit:
@@ -137,13 +138,27 @@ class Hypotheses:
 
     def _keeping(self, promise: float, base: Fit, hypothesis: Hypothesis) -> Fit:
         """Return the fit of a hypothesis, carried to its end where it breaks what it promised."""
-        if hypothesis in self.fits or not self.model.steady:
-            return self.fitted(hypothesis, base)
+        known = hypothesis in self.fits
         found = self.fitted(hypothesis, base)
-        if promise > LEAST_GAIN and explained(base, found) < LEAST_KEPT * promise:
-            again = polished(self.model, self.cases, found)
-            if explained(found, again) > 0.0:
-                self.fits[hypothesis] = again
+        if known or promise <= LEAST_GAIN or explained(base, found) >= LEAST_KEPT * promise:
+            return found
+        alone = fit(self.model, self.cases, hypothesis, base, alone=True)
+        if explained(found, alone) > 0.0:
+            self.fits[hypothesis] = alone
+        return self.ended(hypothesis)
+
+    def ended(self, hypothesis: Hypothesis) -> Fit:
+        """Return a fit carried to its end with sensitivities of its own, for a steady model.
+
+        What stopped short would be explained by the next effect, whatever that is.
+        """
+        found = self.fitted(hypothesis)
+        if not self.model.steady or not hypothesis.effects or hypothesis in self._ended:
+            return found
+        self._ended.add(hypothesis)
+        again = polished(self.model, self.cases, found)
+        if explained(found, again) > 0.0:
+            self.fits[hypothesis] = again
         return self.fits[hypothesis]
 
     def _best_fitted(self, base: Fit, promises: Mapping[str, float]) -> dict[str, Fit]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, explained
-from pneuservo.diagnosis.fitting import fit, polished
+from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
@@ -116,6 +116,7 @@ class Search(Hypotheses):
             and self._worth_going_on
         ):
             seen.add(frozenset(self.accepted))
+            self.ended(self._with(self.accepted))
             best = self._best_addition()
             if best is not None:
                 self.accepted.append(best)
@@ -138,12 +139,10 @@ class Search(Hypotheses):
 
     def profile(self) -> None:
         """Take the intervals of what was accepted from their profile likelihood."""
-        chosen = self.chosen
+        chosen = self.ended(self._with(self.accepted))
         keys = [key for key in chosen.shared if key.partition(":")[0] in self.accepted]
         if keys:
             self.progress("looking how far the sizes found can go")
-            if self.model.steady:
-                chosen = polished(self.model, self.cases, chosen)
             rise = RISE
             if self.model.steady:
                 rise += FORM * max(explained(self.baseline, chosen), 0.0)

@@ -16,7 +16,11 @@ _RUNAWAY = 1e6
 
 
 def best_start(
-    model: Model, cases: Sequence[Case], hypothesis: Hypothesis, near: Fit | None
+    model: Model,
+    cases: Sequence[Case],
+    hypothesis: Hypothesis,
+    near: Fit | None,
+    alone: bool = False,
 ) -> Problem:
     """Return the problem of a fit, begun where it leaves the least.
 
@@ -26,6 +30,9 @@ def best_start(
         What is fitted to what.
     near : Fit or None
         A fit of a similar hypothesis to start from.
+    alone : bool, optional
+        Whether nothing makes up for the size of a new effect at first: where that is far from
+        linear, what makes up for it does so at another size.
     """
     starts = problems_of(model, cases, hypothesis)
     if near is not None:
@@ -34,7 +41,8 @@ def best_start(
         starts += moved
         if model.steady:
             # A fit that keeps its sensitivities has to begin near enough.
-            starts += [sized for start in moved for sized in _sized(start, near, hypothesis)]
+            sized = [found for start in moved for found in _sized(start, near, hypothesis, alone)]
+            starts = sized if alone and sized else starts + sized
             starts += _balanced(moved[0], near, hypothesis)
     with np.errstate(all="ignore"):
         costs = [_cost(start) for start in starts]
@@ -46,7 +54,7 @@ def _cost(start: Problem) -> float:
     return float(np.sum(np.concatenate(start.residuals(begin)) ** 2))
 
 
-def _sized(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
+def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> list[Problem]:
     """Return starts with the size of a new effect, and all else, as they would be if linear.
 
     Most of the way to a size that is too large may still be too large: shorter ways are returned
@@ -69,11 +77,9 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem]:
     found = []
     for way in (share, _SMALL * share):
         step = np.linalg.lstsq(near.sensitivity, way * whole - left, rcond=None)[0]
-        # Where it is far from linear, what makes up for it does so at another size.
-        for others in (step, np.zeros_like(step)):
-            sized = begun_at(start, *near.moved(others))
-            np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
-            found.append(sized)
+        sized = begun_at(start, *near.moved(np.zeros_like(step) if alone else step))
+        np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
+        found.append(sized)
     return found
 
 

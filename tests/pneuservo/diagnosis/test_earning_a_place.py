@@ -135,7 +135,7 @@ def gained(before, after, best=None):
 )
 def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(monkeypatch, promise, further, gains):
     monkeypatch.setattr(hypotheses, "explained", gained)
-    monkeypatch.setattr(hypotheses, "fit", lambda *args: SimpleNamespace(gain=20.0))
+    monkeypatch.setattr(hypotheses, "fit", lambda *args, **how: SimpleNamespace(gain=20.0))
     monkeypatch.setattr(hypotheses, "polished", lambda *args: SimpleNamespace(gain=further))
     tried = Hypotheses(SimpleNamespace(steady=True), [])
     base = SimpleNamespace(gain=0.0)
