@@ -239,7 +239,8 @@ def _as_read(
     held_back = model.readings(held_back)[place] if place else held_back
     followed = model.followed(readings[place])
     place, baseline = likeliest(model, followed, progress, baseline)
-    return followed[place], model.followed(held_back)[place], baseline
+    held_back = model.followed(held_back)[place] if place else held_back
+    return followed[place], held_back, baseline
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -76,8 +76,10 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> li
     whole = np.concatenate([change, np.zeros(len(near.distance))])
     found = []
     for way in (share, _SMALL * share):
-        step = np.linalg.lstsq(near.sensitivity, way * whole - left, rcond=None)[0]
-        sized = begun_at(start, *near.moved(np.zeros_like(step) if alone else step))
+        step = np.zeros_like(near.vector)
+        if not alone:
+            step = np.linalg.lstsq(near.sensitivity, way * whole - left, rcond=None)[0]
+        sized = begun_at(start, *near.moved(step))
         np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
         found.append(sized)
     return found

@@ -98,7 +98,7 @@ def test_a_jump_of_the_load_cell_gets_no_confident_name(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.xfail(strict=True, reason="a kink is taken for a sum of powers, each with 0.99")
+@pytest.mark.xfail(strict=True, reason="a kink is taken for a sum of powers, each with 0.95")
 def test_a_kinked_spring_gets_no_confident_name(seed):
     output = truth_circuit.output("kinked", seed)
     answer = document(diagnose([truth_circuit.recording(output, seed)]))
