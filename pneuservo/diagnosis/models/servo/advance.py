@@ -10,7 +10,6 @@ from pneuservo.plant.servo.load_effects import joint_force, rigid_mass
 from pneuservo.plant.servo.mechanics import carried_rates
 from pneuservo.plant.servo.memory import remember_beside_spool
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
-from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
     PLANT_STATES,
@@ -19,25 +18,6 @@ from pneuservo.plant.single_axis import (
     STATES_WITH_CARD,
     VELOCITY,
 )
-
-# Against steps of 10 us the residuals of a random command differ by less than a tenth of the noise,
-# of a relay's by less than half. Steps that followed the motion would make them jump by as much
-# when a parameter is moved a little.
-_LARGEST_STEP = 250e-6
-# A small volume at the valve's end of a hose, a joint and a cushion are stiff.
-_LARGEST_STEP_OF_STIFF_EFFECTS = 100e-6
-
-
-def longest_step_beside(effects: ServoEffects) -> float:
-    """Return the longest integration step of the chambers that effects leave room for [s].
-
-    Parameters
-    ----------
-    effects : ServoEffects
-        The effects.
-    """
-    stiff = (effects.line.frequency, effects.load.joint_share, effects.stop.cushion_length)
-    return _LARGEST_STEP_OF_STIFF_EFFECTS if any(stiff) else _LARGEST_STEP
 
 
 @compiled
@@ -69,7 +49,7 @@ def advance(
     voltage,
     ramped,
     k,
-    longest_step,
+    steps,
     modes,
     memory,
     rows,
@@ -93,8 +73,8 @@ def advance(
         As in `pneuservo.diagnosis.models.servo.spool.arriving`.
     k : int
         The sample at which the interval begins.
-    longest_step : float
-        The interval is divided into equal steps no longer than that [s].
+    steps : int
+        The interval is divided into so many equal steps.
     work : (3, m) array
         Room to work in.
 
@@ -105,7 +85,6 @@ def advance(
         how much its push has changed in it [m/s^2].
     """
     interval = time[k + 1] - time[k]
-    steps = max(1, math.ceil(interval / longest_step - 1e-9))
     step = interval / steps
     begun = _joint(state, servo) if free else math.nan
     swung, before_step = 0.0, begun

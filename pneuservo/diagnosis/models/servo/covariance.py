@@ -96,6 +96,12 @@ def carry_on(
         Of the noise of each reading, SI.
     work : (3, m) array
         Room to work in.
+
+    Returns
+    -------
+    float
+        Share of a pressure's deviation that decays in the interval, of the chamber in which it is
+        larger [-].
     """
     plant = servo.plant
     piston, mass = plant.piston, plant.piston.mass
@@ -117,6 +123,7 @@ def carry_on(
         start[here] -= _PRESSURE_STEP
         change[side, side] = interval * (moved[here] - rate[here]) / _PRESSURE_STEP
         change[SPEED, side] = interval * areas[side] / mass
+    decays = max(abs(change[FOLLOWED_A, FOLLOWED_A]), abs(change[FOLLOWED_B, FOLLOWED_B]))
     change[POSITION, SPEED] = interval
     kept = math.exp(-interval / WANDER_TIME)
     for zero in ZEROS:
@@ -136,6 +143,7 @@ def carry_on(
     unknown = unsteadiness * (FORCE_STEP + TURNING_STEP * turning)
     unknown *= piston.coulomb_friction / mass
     covariance[SPEED, SPEED] += unknown * unknown * FORCE_TIME * interval
+    return decays
 
 
 @compiled

@@ -7,6 +7,7 @@ import numpy as np
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
 from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
+from pneuservo.diagnosis.models.servo.steps import steps_along
 from pneuservo.rigs import Rig
 
 PASSES = 2
@@ -42,7 +43,7 @@ def with_pressures(fed: Feed, rig: Rig) -> Feed:
         The baseline.
     """
     for _ in range(0 if all(fed.measured) else PASSES):
-        _, _, path, known = learn_to_observe(fed, rig)
+        _, _, path, known, _ = learn_to_observe(fed, rig)
         force_rms = float(np.median(known[len(known) // 10 :]))
         pressures = fed.pressures.copy()
         for side, there in enumerate(fed.measured):
@@ -62,5 +63,6 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The baseline.
     """
-    gains, shares, *_ = learn_to_observe(fed, rig)
-    return replace(fed, gains=gains, shares=shares, done=Recent())
+    gains, shares, _, _, decays = learn_to_observe(fed, rig)
+    steps = steps_along(fed.time, fed.voltage, rig["valve.full_voltage"], decays)
+    return replace(fed, gains=gains, shares=shares, steps=steps, done=Recent())

@@ -95,6 +95,8 @@ class Feed:
         What each error of expectation corrects, in the observer.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
+    steps : (n,) array of int
+        Into how many steps each interval is divided, see `pneuservo.diagnosis.models.servo.steps`.
     done : Recent
         Results of the last few runs, one for all channels.
     """
@@ -123,6 +125,7 @@ class Feed:
     unsteadiness: float = 1.0
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
+    steps: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
 
     @cached_property

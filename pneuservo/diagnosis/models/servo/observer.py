@@ -72,7 +72,7 @@ def observe(
     servo,
     grid,
     initial_state,
-    longest_step,
+    steps,
 ):
     """Return what every channel reads beyond what the model and the past make expected.
 
@@ -127,8 +127,8 @@ def observe(
         Discharge coefficients.
     initial_state : array
         From `pneuservo.plant.servo.starting.servo_state`.
-    longest_step : float
-        The intervals are divided into equal steps no longer than this [s].
+    steps : (n,) array of int
+        Of the chambers in each interval.
 
     Returns
     -------
@@ -143,6 +143,8 @@ def observe(
         Mass flow out of the supply [kg/s].
     at_rest : (2, n) array
         Force on a stuck piston and how much of it friction can hold; elsewhere zeros [N].
+    decays : (n,) array
+        Share of a pressure's deviation that decays in each interval; zeros unless learning [-].
 
     Notes
     -----
@@ -156,6 +158,7 @@ def observe(
     """
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
+    decays = np.zeros(n)
     at_rest, rested = np.zeros((2, n)), 0.0
     state = initial_state.copy()
     modes = np.zeros(3, np.int64)
@@ -182,7 +185,7 @@ def observe(
         interval = time[k + 1] - time[k]
         write_drive(drive, k, time, supply)
         if learning:
-            carry_on(
+            decays[k] = carry_on(
                 covariance,
                 state,
                 true[1, k],
@@ -220,7 +223,7 @@ def observe(
             voltage,
             ramped,
             k,
-            longest_step,
+            steps[k],
             modes,
             memory,
             rows,
@@ -313,7 +316,7 @@ def observe(
                 time[k + 1], state, after[1], rested, external_force[k + 1], servo
             )
             state[PRESSURE_A], state[PRESSURE_B] = followed_a, followed_b
-    return left, path, known, drawn, at_rest
+    return left, path, known, drawn, at_rest, decays
 
 
 @compiled

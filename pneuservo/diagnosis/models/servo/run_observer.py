@@ -3,11 +3,11 @@
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
-from pneuservo.diagnosis.models.servo.advance import longest_step_beside
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.motion import averaged
 from pneuservo.diagnosis.models.servo.observer import observe
+from pneuservo.diagnosis.models.servo.steps import FINEST, dividing, steps_beside
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import beyond_wander, expected_supply
 from pneuservo.effects.servo import servo_effects
@@ -115,7 +115,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     own channel alone.
     """
     known = numbers(values, rig)
-    left, _, _, drawn, at_rest = _observe(
+    left, _, _, drawn, at_rest, _ = _observe(
         fed, values, known, rig, fed.gains, fed.shares, learning=False
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
@@ -145,7 +145,7 @@ def forces_at_rest(fed: Feed, values: Values, rig: Rig) -> Array:
         The force positive towards extension; zeros where the piston is not known to rest [N].
     """
     known = numbers(values, rig)
-    *_, at_rest = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    *_, at_rest, _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
     return at_rest
 
 
@@ -158,7 +158,7 @@ def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
         As in `run_observer`, of a recording in which the supply was measured.
     """
     known = numbers(values, rig)
-    *_, drawn, _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    *_, drawn, _, _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
     return _expected_supply(fed, values, known, drawn)
 
 
@@ -170,7 +170,7 @@ def _expected_supply(
     return expected_supply(fed.time, level, drawn, plant, effects.supply)
 
 
-def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array]:
+def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, Array]:
     """Return the observer's gains for the baseline, and what it finds on its way.
 
     Parameters
@@ -190,11 +190,15 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array]:
         As followed [Pa].
     force_rms : (n,) array
         How well they tell the force on the piston [N].
+    decays : (n,) array
+        Share of a pressure's deviation that decays in each interval [-].
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, GAIN_ROWS, 3)), np.zeros((samples, 3))
-    _, path, known, *_ = _observe(fed, {}, numbers({}, rig), rig, gains, shares, learning=True)
-    return gains, shares, path, known
+    _, path, known, _, _, decays = _observe(
+        fed, {}, numbers({}, rig), rig, gains, shares, learning=True
+    )
+    return gains, shares, path, known, decays
 
 
 def _observe(
@@ -205,7 +209,7 @@ def _observe(
     gains: Array,
     shares: Array,
     learning: bool,
-) -> tuple[Array, Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array, Array]:
     plant, effects = known
     if fed.supply is not None:
         effects = effects._replace(supply=SupplyEffects())
@@ -214,7 +218,8 @@ def _observe(
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    found: tuple[Array, Array, Array, Array, Array] = observe(
+    steps = dividing(fed.time, FINEST) if learning else steps_beside(fed.steps, fed.time, effects)
+    found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
         fed.voltage,
         fed.ramped,
@@ -238,7 +243,7 @@ def _observe(
         servo,
         valve_grid(rig.valve),
         state,
-        longest_step_beside(effects),
+        steps,
     )
     found[0][:2] *= _as_read(effects)
     return found
