@@ -11,7 +11,7 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.diagnosis.problem import Problem, begun_at, problem_with, problems_of
-from pneuservo.diagnosis.starts import best_start
+from pneuservo.diagnosis.starts import best_start, least_of
 from pneuservo.diagnosis.steady import Known, SteadySensitivity
 from pneuservo.errors import FitError
 
@@ -77,12 +77,37 @@ def fit(
         best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
         if not best.unknowns:
             return _summary(hypothesis, best, np.empty(0), fixed)
-    vector = _settled(best, np.asarray(best.begin) / best.units, hypothesis, near)
     if near is None and fixed is None:
-        beyond = _beyond_ridges(best, vector)
-        if beyond is not None:
-            vector = _settled(best, beyond, hypothesis, near)
+        return _fitted_anew(best, hypothesis)
+    vector = _settled(best, np.asarray(best.begin) / best.units, hypothesis, near)
     return _summary(hypothesis, best, vector, fixed)
+
+
+def refitted(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
+    """Return the fit of a baseline to the recordings it was fitted to, read in another way.
+
+    Parameters
+    ----------
+    model : Model
+        The rig's model.
+    cases : sequence of Case
+        The recordings as they are read now.
+    found : Fit
+        Of the baseline; nothing but its values is taken over, as a start.
+    """
+    start = problems_of(model, cases, found.hypothesis)[0]
+    own = found.own if len(found.own) == len(cases) else [{}] * len(cases)
+    begun = begun_at(start, found.shared, own)
+    return _fitted_anew(least_of([start, begun]), found.hypothesis)
+
+
+def _fitted_anew(problem: Problem, hypothesis: Hypothesis) -> Fit:
+    """Return a fit with sensitivities of its own, beyond ridges too."""
+    vector = _settled(problem, np.asarray(problem.begin) / problem.units, hypothesis, None)
+    beyond = _beyond_ridges(problem, vector)
+    if beyond is not None:
+        vector = _settled(problem, beyond, hypothesis, None)
+    return _summary(hypothesis, problem, vector, None)
 
 
 def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit | None) -> Array:

@@ -112,6 +112,7 @@ def _standing_out(
     if not floor > 0.0 or there < _LEAST_SEEN:
         return 0.0, np.zeros(len(waves))
     seen = waves * share[:, np.newaxis]
-    size = np.linalg.lstsq(seen, residual, rcond=None)[0]
-    taken = float(np.sum(residual**2) - np.sum((residual - seen @ size) ** 2))
-    return 0.5 * taken * there / floor, waves @ size
+    # Sine and cosine are all but orthogonal: the normal equations lose nothing.
+    along = seen.T @ residual
+    size = np.linalg.solve(seen.T @ seen, along)
+    return 0.5 * float(size @ along) * there / floor, waves @ size

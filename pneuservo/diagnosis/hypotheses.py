@@ -140,7 +140,9 @@ class Hypotheses:
         """Return the fit of a hypothesis, carried to its end where it breaks what it promised."""
         known = hypothesis in self.fits
         found = self.fitted(hypothesis, base)
-        if known or promise <= LEAST_GAIN or explained(base, found) >= LEAST_KEPT * promise:
+        # Where sensitivities are not steady nothing was promised.
+        kept = math.isinf(promise) or explained(base, found) >= LEAST_KEPT * promise
+        if known or promise <= LEAST_GAIN or kept:
             return found
         alone = fit(self.model, self.cases, hypothesis, base, alone=True)
         if explained(found, alone) > 0.0:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from pneuservo.diagnosis.fit import Fit
-from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.problem import values_in_each
@@ -36,8 +36,8 @@ def likeliest(
     if len(readings) == 1:
         return 0, first
     progress("fitting the baseline to each way in which the recordings may be read")
-    known = [] if first is None else [first]
-    fits = known + [fit(model, read, Hypothesis()) for read in readings[len(known) :]]
+    first = first or fit(model, readings[0], Hypothesis())
+    fits = [first, *(refitted(model, read, first) for read in readings[1:])]
     unlikely = [
         model.unlikeliness(read, values_in_each(read, read[0], found.shared, found.own))
         for read, found in zip(readings, fits, strict=True)

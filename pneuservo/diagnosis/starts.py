@@ -44,6 +44,17 @@ def best_start(
             sized = [found for start in moved for found in _sized(start, near, hypothesis, alone)]
             starts = sized if alone and sized else starts + sized
             starts += _balanced(moved[0], near, hypothesis)
+    return least_of(starts)
+
+
+def least_of(starts: Sequence[Problem]) -> Problem:
+    """Return the problem that leaves the least where it begins.
+
+    Parameters
+    ----------
+    starts : sequence of Problem
+        They differ only in where they begin.
+    """
     with np.errstate(all="ignore"):
         costs = [_cost(start) for start in starts]
     return starts[int(np.argsort(np.nan_to_num(costs, nan=np.inf))[0])]

@@ -72,28 +72,30 @@ def smooth_motion(
     measured, variance = displacement - start, max(noise_rms, 1e-9) ** 2
     nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
 
-    def smoothed(
-        rest: NDArray[np.bool_], change: float, creep: float
+    def passed(
+        rest: NDArray[np.bool_], change: float, creep: float, back: bool = False
     ) -> tuple[Array, Array, Array]:
         found: tuple[Array, Array, Array] = smooth(
-            time, measured, variance, known, driving_rms**2, change, rest, creep, friction
+            time, measured, variance, known, driving_rms**2, change, rest, creep, friction, back
         )
         return found
 
-    tried = ((smoothed(nowhere, change, GLIDING), change) for change in FORCE_CHANGES)
-    moving, change = max(tried, key=lambda found: float(np.sum(found[0][2])))
-    rest_likelihood = smoothed(everywhere, change, GLIDING)[2]
+    def likelihood(rest: NDArray[np.bool_], change: float, creep: float) -> float:
+        return float(np.sum(passed(rest, change, creep)[2]))
+
+    change = max(FORCE_CHANGES, key=lambda change: likelihood(nowhere, change, GLIDING))
+    states, variances, likely = passed(nowhere, change, GLIDING, back=True)
+    # A moving piston's velocity is as well known as it is on the whole.
+    typical = float(np.median(variances))
+    likely_at_rest = passed(everywhere, change, GLIDING)[2]
     interval = float(np.median(np.diff(time)))
     most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(averaged_samples(interval))
-    rest = _at_rest(rest_likelihood - moving[2], interval)
+    rest = _at_rest(likely_at_rest - likely, interval)
     rest[_swing(known, interval) > most] = False
-    states, variances, _ = moving
     if rest.any():
-        resting = (smoothed(rest, change, creep) for creep in (GLIDING, *CREEP))
-        states, variances, _ = max(resting, key=lambda found: float(np.sum(found[2])))
+        creep = max((GLIDING, *CREEP), key=lambda creep: likelihood(rest, change, creep))
+        states, variances, _ = passed(rest, change, creep, back=True)
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
-    # A moving piston's velocity is as well known as it is on the whole.
-    typical = float(np.median(moving[1]))
     velocity_rms = np.sqrt(np.where(rest, np.clip(variances, 0.0, typical), typical))
     return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms, rest
 

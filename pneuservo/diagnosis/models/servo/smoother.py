@@ -54,7 +54,9 @@ def _spread_out(spread, interval, driving_variance, change):
 
 
 @compiled
-def smooth(time, measured, variance, driving, driving_variance, change, rest, creep, friction):
+def smooth(
+    time, measured, variance, driving, driving_variance, change, rest, creep, friction, back
+):
     """Return the likeliest motion behind a displacement, and how likely each reading is.
 
     Parameters
@@ -77,6 +79,8 @@ def smooth(time, measured, variance, driving, driving_variance, change, rest, cr
         Speed at which it creeps then, or `GLIDING` [m/s].
     friction : float
         Acceleration that the Coulomb friction takes [m/s^2].
+    back : bool
+        Whether what later readings tell is carried back; the likelihood does not ask for that.
 
     Returns
     -------
@@ -84,7 +88,7 @@ def smooth(time, measured, variance, driving, driving_variance, change, rest, cr
         Displacement [m], velocity [m/s], acceleration beside the driving one [m/s^2], and how far
         the zero of the transducer has wandered [m].
     velocity_variance : (n,) array
-        [m^2/s^2].
+        Zeros where nothing is carried back [m^2/s^2].
     likelihood : (n,) array
         Logarithm of that of each reading given those before, but for a constant.
     """
@@ -128,13 +132,13 @@ def smooth(time, measured, variance, driving, driving_variance, change, rest, cr
                     spread[i, j] -= gain[i] * row[j]
         filtered[k] = state
         spread_filtered[k] = spread
-    velocity_variance = np.empty(n)
+    velocity_variance = np.zeros(n)
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
-    for k in range(n - 2, -1, -1):
+    for k in range(n - 2 if back else -1, -1, -1):
         step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING)
-        back = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
-        filtered[k] = filtered[k] + back @ (filtered[k + 1] - predicted[k + 1])
-        gained = back @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ back.T
+        share = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
+        filtered[k] = filtered[k] + share @ (filtered[k + 1] - predicted[k + 1])
+        gained = share @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ share.T
         spread_filtered[k] = spread_filtered[k] + gained
         velocity_variance[k] = spread_filtered[k, 1, 1]
     return filtered, velocity_variance, likelihood

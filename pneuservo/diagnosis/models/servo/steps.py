@@ -78,8 +78,8 @@ def steps_along(time: Array, voltage: Array, full_voltage: float, decays: Array)
     interval = float(np.median(np.diff(time)))
     jumps = np.abs(np.diff(voltage, append=voltage[-1])) > _JUMP * full_voltage
     followed = round(_ARRIVED / interval)
-    # An odd window that ends where the jump is, and so looks back from every interval.
-    beside = maximum_filter1d(jumps, 2 * followed + 1, mode="constant", origin=followed)
+    # The window ends at each interval and looks back.
+    beside = maximum_filter1d(jumps, followed + 1, mode="constant", origin=followed // 2)
     steps = np.where(beside, dividing(time, LONGEST_BESIDE_JUMPS), dividing(time, LONGEST))
     steps = np.maximum(steps, np.ceil(decays / _STIFFEST).astype(np.int64))
     return np.minimum(steps, dividing(time, FINEST))
