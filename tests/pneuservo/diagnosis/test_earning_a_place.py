@@ -112,6 +112,33 @@ def test_what_the_form_of_an_effect_leaves_makes_no_parameter_wrong(found_before
     assert judge.earns("param.piston.stroke", leaves(960.0, 24), 40.0) == earns
 
 
+@pytest.mark.parametrize(
+    ("parameter", "interval", "earns"),
+    [
+        ("temperature", (411.0, 520.0), False),
+        ("temperature", (340.0, 380.0), True),
+        ("chamber.polytropic_index", (0.6, 0.9), False),
+        ("load.mass", (50.0, 60.0), True),
+    ],
+)
+def test_a_parameter_is_not_wrong_by_what_it_cannot_be(parameter, interval, earns):
+    current, closer = leaves(1000.0, 24), leaves(960.0, 24)
+    current.hypothesis = SimpleNamespace(effects=set())
+    closer.intervals = {parameter: interval}
+    judge = ByGain(current, current, (), lambda name, fit: 0.0)
+    assert judge.earns(f"param.{parameter}", closer, 40.0) == earns
+
+
+@pytest.mark.parametrize(("strained", "earns"), [(10.0, True), (70.0, False)])
+def test_what_only_relieves_strained_parameters_is_no_effect(strained, earns):
+    delay = effect_by_id("spool.delay", "single-axis")
+    current, closer = leaves(1000.0 - strained, 24), leaves(900.0, 25)
+    current.penalty, current.hypothesis = strained, SimpleNamespace(effects=set(), members=())
+    closer.shared = {delay.key(p.name): p.starts[0] for p in delay.parameters}
+    judge = ByGain(current, current, [delay], lambda name, fit: 0.0)
+    assert judge.earns(delay.id, closer, 100.0) == earns
+
+
 def test_less_than_none_of_an_effect_promises_nothing():
     rng = np.random.default_rng(1)
     signature, shape = rng.standard_normal((2, 1000))

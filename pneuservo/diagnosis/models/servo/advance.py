@@ -145,19 +145,70 @@ def _step(
     grid,
     work,
 ):
-    """Advance the state by one classical Runge-Kutta step, all of the motion straight in time."""
+    """Advance spool and chambers by one step, divided where the spool crosses its null.
+
+    There the flows have a kink: charging and venting edges differ.
+    """
+    since, began = time[k] + elapsed, state[SPOOL]
+    felt = pressure_share(state, drive, elapsed, servo)
+    opened, crossed, opened_before = move_spool(
+        state, memory, time, voltage, ramped, k, since, since + step, felt, servo
+    )
+    ended, interval = state[SPOOL], time[k + 1] - time[k]
+    crosses = crossed < step
+    for part in range(2 if crosses else 1):
+        passed, length, opens, first, last = elapsed, step, opened, began, ended
+        if crosses and part == 0:
+            length, opens, last = crossed, opened_before, 0.0
+        elif crosses:
+            passed, length = elapsed + crossed, step - crossed
+            opens, first = opened - opened_before, 0.0
+        _fill(
+            state,
+            (first, 1.5 * opens / length - 0.25 * (first + last), last),
+            before,
+            after,
+            begun,
+            passed,
+            length,
+            interval,
+            memory,
+            rows,
+            drive,
+            servo,
+            grid,
+            work,
+        )
+
+
+@compiled
+def _fill(
+    state,
+    openings,
+    before,
+    after,
+    begun,
+    elapsed,
+    step,
+    interval,
+    memory,
+    rows,
+    drive,
+    servo,
+    grid,
+    work,
+):
+    """Advance the chambers by one classical Runge-Kutta step, all of the motion straight in time.
+
+    Of the three openings, at the beginning, halfway and at the end, the second is what gives the
+    mean with the others: where the spool meets the end of its travel, its place would not.
+    """
     rate, total, start = work[0], work[1], work[2]
-    interval = time[k + 1] - time[k]
     start[:] = state
     total[:] = 0.0
     for stage in range(4):
         at = elapsed + (0.0 if stage == 0 else step if stage == 3 else 0.5 * step)
-        if stage == 1 or stage == 3:
-            felt = pressure_share(state, drive, at, servo)
-            moment = time[k] + at
-            move_spool(
-                state, memory, time, voltage, ramped, k, moment - 0.5 * step, moment, felt, servo
-            )
+        state[SPOOL] = openings[(stage + 1) // 2]
         share = at / interval
         state[DISPLACEMENT] = before[0] + share * (after[0] - before[0])
         state[VELOCITY] = before[1] + share * (after[1] - before[1])

@@ -75,11 +75,22 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
     share : float
         From `pneuservo.plant.servo.chain.pressure_share`; only a flow force feels it [-].
 
+    Returns
+    -------
+    opened : float
+        Its opening integrated over that time [s].
+    crossed : float
+        After how long it first crosses its null, where it ends on the other side; else infinite
+        [s].
+    opened_before : float
+        Its opening integrated until then [s].
+
     Notes
     -----
     But for that it does not feel the chambers, and has its own classical Runge-Kutta steps. None
     goes over a jump of the command, which a delay lets arrive in the midst of an interval.
     """
+    began, opened, opened_before, crossed = state[SPOOL], 0.0, 0.0, math.inf
     effects = servo.effects.spool
     switching = effects.acceleration_limit + effects.rate_limit + effects.stiction
     now = since
@@ -91,12 +102,21 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
         steps = max(1, math.ceil((end - now) / (FINE_STEP if fine else STEP) - 1e-6))
         step = (end - now) / steps
         for _ in range(steps):
-            _step(state, memory, command, rising, step, share, servo)
+            place = state[SPOOL]
+            more = _step(state, memory, command, rising, step, share, servo)
+            if crossed == math.inf and place * state[SPOOL] < 0.0:
+                part = place / (place - state[SPOOL])
+                crossed = now + part * step - since
+                opened_before = opened + 0.5 * part * step * place
+            opened += more
             command += step * rising
             now += step
             if remembers(effects):
                 remember_spool(command, now, state, memory, step, servo)
         now = end
+    if began * state[SPOOL] >= 0.0:
+        crossed = math.inf
+    return opened, crossed, opened_before
 
 
 @compiled
@@ -137,19 +157,27 @@ def reached(place, speed, later_speed, step, end):
 
 @compiled
 def _step(state, memory, command, rising, step, share, servo):
-    """Move the spool by one step, inelastically onto the end of its travel if it gets there."""
+    """Move the spool by one step, inelastically onto the end of its travel if it gets there.
+
+    Returns its opening integrated over the step.
+    """
     place, speed = state[SPOOL], state[SPOOL_RATE]
     _free_step(state, memory, 0.0, command, rising, step, share, servo)
     side = 1.0 if state[SPOOL] > 0.0 else -1.0
     end = travel_end(side, servo.effects.spool)
+    opened = 0.5 * step * (place + state[SPOOL])
+    opened += step * step / 12.0 * (speed - state[SPOOL_RATE])
     if side * place < end and side * state[SPOOL] < end and speed * state[SPOOL_RATE] >= 0.0:
-        return
+        return opened
     until = reached(side * place, side * speed, side * state[SPOOL_RATE], step, end)
     if until < step:
         state[SPOOL], state[SPOOL_RATE] = side * end, 0.0
+        opened = 0.5 * until * (place + side * end)
         _free_step(state, memory, until, command, rising, step - until, share, servo)
+        opened += 0.5 * (step - until) * (side * end + state[SPOOL])
     if side * state[SPOOL] > end:
         state[SPOOL], state[SPOOL_RATE] = side * end, 0.0
+    return opened
 
 
 @compiled
