@@ -155,7 +155,7 @@ def _step(
         state, memory, time, voltage, ramped, k, since, since + step, felt, servo
     )
     ended, interval = state[SPOOL], time[k + 1] - time[k]
-    crosses = crossed < step
+    crosses = crossed < math.inf
     for part in range(2 if crosses else 1):
         passed, length, opens, first, last = elapsed, step, opened, began, ended
         if crosses and part == 0:

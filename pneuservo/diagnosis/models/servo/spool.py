@@ -80,8 +80,8 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
     opened : float
         Its opening integrated over that time [s].
     crossed : float
-        After how long it first crosses its null, where it ends on the other side; else infinite
-        [s].
+        After how long it first crosses its null, where it ends on the other side; infinite where
+        it does not, or next to either end of that time [s].
     opened_before : float
         Its opening integrated until then [s].
 
@@ -114,7 +114,11 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
             if remembers(effects):
                 remember_spool(command, now, state, memory, step, servo)
         now = end
-    if began * state[SPOOL] >= 0.0:
+    if (
+        began * state[SPOOL] >= 0.0
+        or crossed < _SAME_MOMENT
+        or crossed > now - since - _SAME_MOMENT
+    ):
         crossed = math.inf
     return opened, crossed, opened_before
 
