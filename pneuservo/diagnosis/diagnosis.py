@@ -12,7 +12,7 @@ from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
-from pneuservo.diagnosis.readings import likeliest
+from pneuservo.diagnosis.readings import likeliest_followed, likeliest_reading
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
 from pneuservo.errors import InputError
@@ -234,13 +234,10 @@ def _as_read(
 ) -> tuple[list[Case], list[Case], Fit | None]:
     """Return all cases in the reading that fits those better that are used, with its baseline."""
     readings = model.readings(cases)
-    place, baseline = likeliest(model, readings, progress)
+    place, baseline = likeliest_reading(model, readings, progress)
     # What is held back may have nothing to judge in the reading that is not asked for.
     held_back = model.readings(held_back)[place] if place else held_back
-    followed = model.followed(readings[place])
-    place, baseline = likeliest(model, followed, progress, baseline)
-    held_back = model.followed(held_back)[place] if place else held_back
-    return followed[place], held_back, baseline
+    return likeliest_followed(model, readings[place], held_back, baseline, progress)
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -201,8 +201,13 @@ class Model:
         """Return the cases with each trust that a model which follows them may have in itself."""
         return [list(cases)]
 
-    def unlikeliness(self, cases: Sequence[Case], values: Sequence[Values]) -> float:
-        """Return twice the negative log-likelihood of a reading, but for a constant."""
+    def unlikeliness(
+        self, cases: Sequence[Case], values: Sequence[Values], forgiving: bool = False
+    ) -> float:
+        """Return twice the negative log-likelihood of recordings, but for a constant.
+
+        Where it is forgiving, a misfit that is there all over does not count.
+        """
         raise NotImplementedError
 
     def fitted(self, case: Case) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from servo_recordings import NOISE, noisy, recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.readings import likeliest
+from pneuservo.diagnosis.readings import likeliest_followed, likeliest_reading
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
@@ -111,7 +111,7 @@ def test_a_ripple_of_a_supply_that_was_not_recorded_shows_in_the_chambers(rig):
 def read_as(model, cases):
     """Return the cases in the likelier reading of their command."""
     readings = model.readings(cases)
-    return readings[likeliest(model, readings, lambda step: None)[0]]
+    return readings[likeliest_reading(model, readings, lambda step: None)[0]]
 
 
 def test_a_held_command_is_told_from_one_that_runs_on(rig):
@@ -125,15 +125,25 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     assert not held[0].inputs["feed"].ramped
 
 
-@pytest.mark.parametrize(("shaken", "place"), [(0.0, 1), (0.3, 0)])
-def test_the_observer_allows_for_a_force_where_there_is_one(rig, shaken, place):
+def shaken_by(rig, share):
+    """Return a recording with another force every 10 ms that nobody recorded.
+
+    Its size is a share of the Coulomb friction.
+    """
     rng = np.random.default_rng(3)
-    # Another force every 10 ms, as a share of the Coulomb friction, that nobody recorded.
-    size = shaken * rig["piston.coulomb_friction"]
+    size = share * rig["piston.coulomb_friction"]
     force = np.repeat(rng.normal(0.0, size, len(TIME) // 10 + 1), 10)[: len(TIME)]
     demand = np.where(TIME % 1.0 < 0.5, 0.010, 0.020)
     run = simulate(rig, time=TIME, controller=Proportional(), demand=demand, external_force=force)
-    recording = noisy(run, rng, {**NOISE, "displacement": 2e-6})
+    return noisy(run, rng, {**NOISE, "displacement": 2e-6})
+
+
+def test_the_observer_allows_for_a_force_in_the_recording_where_there_is_one(rig):
     model = ServoModel()
-    followed = model.followed(model.cases(recording, rig))
-    assert likeliest(model, followed, lambda step: None)[0] == place
+    still, shaken = (model.cases(shaken_by(rig, share), rig) for share in (0.0, 0.3))
+    used, held_back, _ = likeliest_followed(
+        model, [*still, *shaken], shaken, None, lambda step: None
+    )
+    allowed = [case.inputs["feed"].unsteadiness for case in used]
+    assert allowed == [0.25] * len(still) + [1.0] * len(shaken)
+    assert all(case.inputs["feed"].unsteadiness == 1.0 for case in held_back)

@@ -192,10 +192,15 @@ class ServoModel(Model):
             steady.append(replace(case, inputs={**case.inputs, "feed": feeds[id(fed)]}))
         return [list(cases), steady]
 
-    def unlikeliness(self, cases: Sequence[Case], values: Sequence[Values]) -> float:
-        """Return how unlikely the innovations of all recordings are, each counted once."""
+    def unlikeliness(
+        self, cases: Sequence[Case], values: Sequence[Values], forgiving: bool = False
+    ) -> float:
+        """Return how unlikely the innovations of all recordings are, each counted once.
+
+        Where it is forgiving, they count in their size where the command is calm.
+        """
         return sum(
-            _unlikeliness(case.inputs["feed"], mine, case.rig)
+            _unlikeliness(case.inputs["feed"], mine, case.rig, forgiving)
             for case, mine in zip(cases, values, strict=True)
             if case.inputs["leads"]
         )
@@ -312,23 +317,19 @@ def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
     return with_observer(fed if ramped else held_command(fed, rig), rig)
 
 
-def _unlikeliness(fed: Feed, values: Values, rig: Rig) -> float:
-    """Return twice the negative log-likelihood of the innovations, but for a constant.
-
-    A misfit all over is no argument: innovations count in their size where the command is calm.
-    """
+def _unlikeliness(fed: Feed, values: Values, rig: Rig, forgiving: bool) -> float:
+    """Return twice the negative log-likelihood of the innovations, but for a constant."""
     curve = np.abs(np.diff(fed.voltage, 2, prepend=fed.voltage[0], append=fed.voltage[-1]))
     bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
     calm = bend <= np.median(bend)
     noise = fed.noise_of(FOLLOWED)[:, np.newaxis]
     square = (_innovations(fed, values, rig)[: len(FOLLOWED)] / noise) ** 2
-    there = fed.shares.T > 0.0
     total = 0.0
-    for squares, shares, seen in zip(square, fed.shares.T, there, strict=True):
-        if seen.any():
-            quiet = squares[seen & calm]
-            level = max(1.0, float(np.median(quiet)) / _MEDIAN) if len(quiet) else 1.0
-            total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
+    for squares, shares in zip(square, fed.shares.T, strict=True):
+        seen, level = shares > 0.0, 1.0
+        if forgiving and np.any(seen & calm):
+            level = max(1.0, float(np.median(squares[seen & calm])) / _MEDIAN)
+        total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
     return total
 
 
