@@ -232,7 +232,10 @@ def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
 def _as_read(
     model: Model, cases: list[Case], held_back: list[Case], progress: Callable[[str], None]
 ) -> tuple[list[Case], list[Case], Fit | None]:
-    """Return all cases in the reading that fits those better that are used, with its baseline."""
+    """Return all cases as they are best read and followed, with the baseline of those used.
+
+    How they are read follows from those that are used.
+    """
     readings = model.readings(cases)
     place, baseline = likeliest_reading(model, readings, progress)
     # What is held back may have nothing to judge in the reading that is not asked for.

@@ -112,7 +112,7 @@ def _standing_out(
     if not floor > 0.0 or there < _LEAST_SEEN:
         return 0.0, np.zeros(len(waves))
     seen = waves * share[:, np.newaxis]
-    # Sine and cosine are all but orthogonal: the normal equations lose nothing.
+    # On samples that are missing in a pattern sine and cosine may be the same wave.
     along = seen.T @ residual
-    size = np.linalg.solve(seen.T @ seen, along)
+    size = np.linalg.lstsq(seen.T @ seen, along, rcond=1e-9)[0]
     return 0.5 * float(size @ along) * there / floor, waves @ size

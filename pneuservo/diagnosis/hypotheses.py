@@ -163,14 +163,17 @@ class Hypotheses:
             self.fits[hypothesis] = again
         return self.fits[hypothesis]
 
-    def _best_fitted(self, base: Fit, promises: Mapping[str, float]) -> dict[str, Fit]:
+    def _best_fitted(
+        self, base: Fit, promises: Mapping[str, float], barred: Callable[[str, Fit], bool]
+    ) -> dict[str, Fit]:
         """Return the fits of a base with each candidate that may still turn out the best.
 
-        What has promised most is fitted first; the others have to promise enough to reach it.
+        What has promised most is fitted first; the others have to promise enough to reach it,
+        unless it is barred.
         """
         ranked = sorted(promises, key=promises.__getitem__, reverse=True)
         found = self._fitted_with(base, {n: promises[n] for n in ranked[:FITTED_FIRST]})
-        best = max((explained(base, closer) for closer in found.values()), default=0.0)
+        best = max((explained(base, f) for n, f in found.items() if not barred(n, f)), default=0.0)
         near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > best]
         found |= self._fitted_with(base, {n: promises[n] for n in near})
         return {name: found[name] for name in promises if name in found}

@@ -38,9 +38,9 @@ LEAST_GAIN = 50.0
 most that was gained in those pairs by more than twice what imitations pretend was 37."""
 
 MOST_RELIEF = 0.5
-"""Share of that which may be relief of strained parameters, and not seen in the recordings: what
-strains them may be any of them, or how laws differ in form. Of nine true effects of another
-simulator with signatures of 11 to 57 standard deviations none reached 0.1."""
+"""Share of what an effect gains that may be relief of strained parameters, and not seen in the
+recordings: what strains them may be any of them, or how laws differ in form. Of nine true effects
+of another simulator with signatures of 11 to 57 standard deviations none reached 0.1."""
 
 
 class Judge(Protocol):
@@ -57,6 +57,15 @@ class Judge(Protocol):
             With the candidate.
         drop : float
             By how much the information criterion falls with it.
+        """
+
+    def barred(self, name: str, closer: Fit) -> bool:
+        """Return whether a candidate is not to be named whatever it explains.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
         """
 
     def first_choice(
@@ -138,6 +147,10 @@ class ByEvidence:
         enough = self.share(closer) > SMALLEST_SHARE
         return enough or gain(self.current, closer) > LARGE_SHARE_OF_REST * self.rest
 
+    def barred(self, name: str, closer: Fit) -> bool:
+        """Return that no candidate is."""
+        return False
+
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
@@ -176,19 +189,16 @@ class ByGain:
     def earns(self, name: str, closer: Fit, drop: float) -> bool:
         """Return whether a candidate explains more than chance, imitations and form would."""
         explains, least = drop, LEAST_DISTANCE
-        if name.startswith("param."):
-            if _cannot_be(name.removeprefix("param."), closer):
-                return False
-        else:
-            if drop <= DECISIVE or self._is_not_itself(name, closer):
+        if self.barred(name, closer):
+            return False
+        if not name.startswith("param."):
+            if drop <= DECISIVE:
                 return False
             # Where the named law and the real one differ in form a little is always left ...
             first = not self.current.hypothesis.members
             if not first and self.share(closer) <= SECOND_SHARE:
                 return False
             explains, least = explained(self.current, closer), LEAST_GAIN
-            if self.current.penalty - closer.penalty > MOST_RELIEF * explains:
-                return False
         if self.current.hypothesis.effects:
             # ... which pulls at parameters, and at channels where little else shows, too.
             least = max(least, AS_GOOD * explained(self.baseline, self.current))
@@ -231,6 +241,14 @@ class ByGain:
                 found.append(_ONE_CHANNEL * here / explains)
         return max(found)
 
+    def barred(self, name: str, closer: Fit) -> bool:
+        """Return whether a candidate is impossible, not itself or mostly relief."""
+        if name.startswith("param."):
+            return is_impossible(name, closer)
+        relief = self.current.penalty - closer.penalty
+        mostly = relief > MOST_RELIEF * max(explained(self.current, closer), 0.0)
+        return mostly or self._is_not_itself(name, closer)
+
     def _is_not_itself(self, name: str, found: Fit) -> bool:
         """Return whether an effect came out as real parts never show it.
 
@@ -246,12 +264,20 @@ class ByGain:
         return len(ends) > 1 and all(ends)
 
 
-def _cannot_be(parameter: str, found: Fit) -> bool:
-    """Return whether all of a parameter's interval is beyond what the quantity can be anywhere.
+def is_impossible(name: str, found: Fit) -> bool:
+    """Return whether all of a parameter's interval is beyond what the quantity can be on any rig.
 
     Recordings that hardly tell a parameter move it far for little.
+
+    Parameters
+    ----------
+    name : str
+        Effect id, which is always possible, or ``param.`` and the id of a parameter.
+    found : Fit
+        With that candidate.
     """
-    if parameter not in NATURAL_LIMITS:
+    parameter = name.removeprefix("param.")
+    if parameter == name or parameter not in NATURAL_LIMITS:
         return False
     lowest, highest = NATURAL_LIMITS[parameter]
     low, high = found.intervals[parameter]

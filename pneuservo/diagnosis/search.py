@@ -21,6 +21,7 @@ from pneuservo.diagnosis.judge import (
     ByGain,
     Judge,
     gain,
+    is_impossible,
 )
 from pneuservo.diagnosis.ledger import Rival, Step, probabilities
 from pneuservo.diagnosis.models import Case
@@ -167,6 +168,7 @@ class Search(Hypotheses):
         The member itself and its absence (``""``) are among them.
         """
         rest, others = self._in_place_of(member)
+        others = {n: f for n, f in others.items() if n == member or not is_impossible(n, f)}
         others[""] = rest
         effective = min(others.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in others.items()}
@@ -326,13 +328,14 @@ class Search(Hypotheses):
 
     def _best_addition(self) -> str | None:
         current = self.chosen
-        tried = self._best_fitted(current, self._promises(current, self._compatible(self.accepted)))
+        judge = self._judge(current)
+        promises = self._promises(current, self._compatible(self.accepted))
+        tried = self._best_fitted(current, promises, judge.barred)
         if not tried:
             return None
         effective = min(tried.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in tried.items()}
         drop = {name: current.evidence(effective) - value for name, value in evidence.items()}
-        judge = self._judge(current)
         earning = [name for name in tried if judge.earns(name, tried[name], drop[name])]
         name = judge.first_choice(evidence, tried, earning)
         self.ledger.append(

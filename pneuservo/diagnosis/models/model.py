@@ -198,7 +198,10 @@ class Model:
         return [list(cases)]
 
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
-        """Return the cases with each trust that a model which follows them may have in itself."""
+        """Return the cases with each trust that a model which follows them may have in itself.
+
+        There are as many ways for any cases, also for none, each with the cases in their order.
+        """
         return [list(cases)]
 
     def unlikeliness(

@@ -1,5 +1,6 @@
 """What an effect has to explain beside others, and which candidates promise anything."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -157,8 +158,14 @@ def gained(before, after, best=None):
 
 @pytest.mark.parametrize(
     ("promise", "further", "gains"),
-    [(200.0, 180.0, 180.0), (200.0, 5.0, 20.0), (30.0, 180.0, 20.0), (35.0, 180.0, 20.0)],
-    ids=["kept in the end", "no further", "promised too little", "kept half of it"],
+    [
+        (200.0, 180.0, 180.0),
+        (200.0, 5.0, 20.0),
+        (30.0, 180.0, 20.0),
+        (35.0, 180.0, 20.0),
+        (math.inf, 180.0, 20.0),
+    ],
+    ids=["kept in the end", "no further", "promised too little", "kept half of it", "none made"],
 )
 def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(monkeypatch, promise, further, gains):
     monkeypatch.setattr(hypotheses, "explained", gained)
@@ -169,3 +176,22 @@ def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(monkeypatch, promis
     name = Hypothesis().adding("load.spring")
     assert tried._keeping(promise, base, name).gain == gains
     assert tried.fits[name].gain == gains
+
+
+@pytest.mark.parametrize("barred", [False, True])
+def test_what_is_barred_shields_nothing(monkeypatch, barred):
+    gains = {"param.temperature": 200.0, "param.load.mass": 1.0, "load.spring": 60.0}
+    monkeypatch.setattr(hypotheses, "explained", gained)
+    tried = Hypotheses(SimpleNamespace(steady=False), [])
+    monkeypatch.setattr(
+        tried,
+        "_fitted_with",
+        lambda base, promises: {name: SimpleNamespace(gain=gains[name]) for name in promises},
+    )
+    promises = dict(zip(gains, (210.0, 100.0, 60.0), strict=True))
+    found = tried._best_fitted(
+        SimpleNamespace(gain=0.0),
+        promises,
+        lambda name, closer: barred and name == "param.temperature",
+    )
+    assert ("load.spring" in found) is barred

@@ -39,6 +39,35 @@ def step_response(time):
     return 1.0 - left * (np.cos(swing * t) + damping * w / swing * np.sin(swing * t))
 
 
+@pytest.mark.parametrize(("start", "until"), [(-0.3, 1e-3), (-0.3, 0.3e-3), (0.2, 1e-3)])
+def test_what_it_opens_is_known_before_and_after_its_null(start, until):
+    servo = Servo(PLANT, NEUTRAL, OPEN_LOOP)
+    state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
+    state[SPOOL] = start
+    voltage = np.full_like(TIME, 4.0)
+    opened, crossed, before = move_spool(
+        state, memory, TIME, voltage, False, 0, 0.0, until, 0.0, servo
+    )
+    time = np.linspace(0.0, until, 100_001)
+    place = start + (4.0 / VALVE.full_voltage - start) * step_response(time)
+    assert opened == pytest.approx(np.trapezoid(place, time), abs=1e-8)
+    if start * place[-1] > 0.0:
+        assert crossed == np.inf
+        return
+    null = int(np.argmax(place > 0.0))
+    assert crossed == pytest.approx(time[null], abs=5e-6)
+    assert before == pytest.approx(np.trapezoid(place[:null], time[:null]), abs=1e-6)
+
+
+def test_a_null_at_the_end_of_a_move_divides_nothing():
+    servo = Servo(PLANT, NEUTRAL, OPEN_LOOP)
+    state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
+    state[SPOOL] = -1e-13
+    moved = move_spool(state, memory, TIME, np.ones_like(TIME), False, 0, 0.0, 1e-3, 0.0, servo)
+    assert state[SPOOL] > 0.0
+    assert moved[1] == np.inf
+
+
 @pytest.mark.parametrize("delay", [0.0, 0.4e-3, 3.7e-3])
 def test_a_step_arrives_when_its_delay_has_passed(delay):
     voltage = np.where(TIME > JUMP - 1e-9, 2.0, 0.0)

@@ -100,8 +100,8 @@ def carry_on(
     Returns
     -------
     float
-        Share of a pressure's deviation that decays in the interval, of the chamber in which it is
-        larger [-].
+        Rate at which a pressure's deviation decays times the interval, of the chamber in which it
+        is larger: above 1 it decays within the interval [-].
     """
     plant = servo.plant
     piston, mass = plant.piston, plant.piston.mass

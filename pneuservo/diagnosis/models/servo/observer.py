@@ -144,7 +144,7 @@ def observe(
     at_rest : (2, n) array
         Force on a stuck piston and how much of it friction can hold; elsewhere zeros [N].
     decays : (n,) array
-        Share of a pressure's deviation that decays in each interval; zeros unless learning [-].
+        From `pneuservo.diagnosis.models.servo.covariance.carry_on`; zeros unless learning [-].
 
     Notes
     -----

@@ -10,7 +10,7 @@ from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.diagnosis.models.servo.steps import FINEST, dividing, steps_beside
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import beyond_wander, expected_supply
-from pneuservo.effects.servo import servo_effects
+from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo.drift import behind_drift
@@ -191,7 +191,7 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, A
     force_rms : (n,) array
         How well they tell the force on the piston [N].
     decays : (n,) array
-        Share of a pressure's deviation that decays in each interval [-].
+        From `pneuservo.diagnosis.models.servo.covariance.carry_on`.
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, GAIN_ROWS, 3)), np.zeros((samples, 3))
@@ -218,7 +218,12 @@ def _observe(
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    steps = dividing(fed.time, FINEST) if learning else steps_beside(fed.steps, fed.time, effects)
+    steps = dividing(fed.time, FINEST)
+    if not learning:
+        fields = {SERVO_FIELDS[key] for key in values if key in SERVO_FIELDS}
+        if fed.supply is not None:
+            fields = {field for field in fields if not field.startswith("supply.")}
+        steps = steps_beside(fed.steps, fed.time, fields)
     found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
         fed.voltage,

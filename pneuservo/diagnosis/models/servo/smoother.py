@@ -80,7 +80,8 @@ def smooth(
     friction : float
         Acceleration that the Coulomb friction takes [m/s^2].
     back : bool
-        Whether what later readings tell is carried back; the likelihood does not ask for that.
+        Whether what later readings tell is carried back: else the states are what those up to
+        each sample tell. The likelihood does not ask for it.
 
     Returns
     -------
@@ -88,7 +89,7 @@ def smooth(
         Displacement [m], velocity [m/s], acceleration beside the driving one [m/s^2], and how far
         the zero of the transducer has wandered [m].
     velocity_variance : (n,) array
-        Zeros where nothing is carried back [m^2/s^2].
+        Only where something is carried back [m^2/s^2].
     likelihood : (n,) array
         Logarithm of that of each reading given those before, but for a constant.
     """

@@ -1,30 +1,45 @@
 """Into how many steps each sampling interval is divided where the chambers are carried on."""
 
+import math
+from collections.abc import Set
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.plant.servo.servo_effects import ServoEffects
-from pneuservo.plant.servo.supply_effects import has_reservoir
 
 Steps = NDArray[np.int64]
 
 # With these, innovations of sixteen recordings differ from those with steps of 25 us by a sum of
 # squares of less than 10 in each channel, or 16 of a chattering relay with a pressure missing. They
-# follow the recording and the baseline alone: steps that followed the fitted motion would make
-# innovations jump by as much when a parameter is moved a little.
+# follow the recording, the baseline and which effects are looked at: steps that followed fitted
+# values would make innovations jump by as much when a parameter is moved a little.
 LONGEST = 1e-3
 _JUMP = 0.05
 """What a command that jumps moves by in one interval, as a share of the full voltage [-] ..."""
-_ARRIVED = 5e-3
-"""... and after how long the spool has followed it [s]."""
+_ARRIVED = 10e-3
+"""... and after how long the spool has followed it, the longest delay included [s]."""
 _STIFFEST = 0.3
-"""Share of a pressure's deviation that may decay in one step."""
+"""Step times the rate at which a pressure's deviation decays, at the most."""
 FINEST = 250e-6
-"""No finer step is made for the baseline's sake, and none coarser beside what has states or a
-memory of its own."""
+"""No finer step is made for the baseline's sake, and none coarser beside what is swift."""
+_SWIFT = frozenset(
+    {
+        "supply.reservoir_volume",
+        "line.delay",
+        "valve.attached_loss",
+        "valve.exhaust_area",
+        "spool.flow_force",
+        "friction.lag",
+        "load.mode_share",
+        "sensor.displacement_lag",
+    }
+)
+"""What changes within a millisecond or remembers its past by steps. Gas and walls have states too,
+but warm up slowly, and what the spool remembers it remembers by steps of its own."""
 LONGEST_OF_STIFF_EFFECTS = 100e-6
-"""A small volume at the valve's end of a hose, a joint and a cushion are stiff."""
+_STIFF = frozenset({"line.frequency", "load.joint_share", "stop.cushion_length"})
+"""A small volume at the valve's end of a hose, a joint and a cushion."""
 
 
 def dividing(time: Array, longest: float) -> Steps:
@@ -62,20 +77,19 @@ def steps_along(time: Array, voltage: Array, full_voltage: float, decays: Array)
     full_voltage : float
         Command that opens the valve fully [V].
     decays : (n,) array
-        Share of a pressure's deviation that decays in each interval, of the chamber in which it
-        is larger [-].
+        From `pneuservo.diagnosis.models.servo.covariance.carry_on`.
 
     Examples
     --------
     >>> time = np.arange(12) * 1e-3
     >>> steps_along(time, np.where(time < 2e-3, 0.0, 5.0), 10.0, np.zeros(12)).tolist()
-    [1, 4, 4, 4, 4, 4, 4, 1, 1, 1, 1, 1]
+    [1, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4]
     """
     from scipy.ndimage import maximum_filter1d
 
     interval = float(np.median(np.diff(time)))
     jumps = np.abs(np.diff(voltage, append=voltage[-1])) > _JUMP * full_voltage
-    followed = round(_ARRIVED / interval)
+    followed = math.ceil(_ARRIVED / interval - 1e-9)
     # The window ends at each interval and looks back.
     beside = maximum_filter1d(jumps, followed + 1, mode="constant", origin=followed // 2)
     steps = np.where(beside, dividing(time, FINEST), dividing(time, LONGEST))
@@ -83,8 +97,8 @@ def steps_along(time: Array, voltage: Array, full_voltage: float, decays: Array)
     return np.minimum(steps, dividing(time, FINEST))
 
 
-def steps_beside(steps: Steps, time: Array, effects: ServoEffects) -> Steps:
-    """Return the number of steps that effects need.
+def steps_beside(steps: Steps, time: Array, fields: Set[str]) -> Steps:
+    """Return the number of steps that effects need, whatever their size.
 
     Parameters
     ----------
@@ -92,14 +106,9 @@ def steps_beside(steps: Steps, time: Array, effects: ServoEffects) -> Steps:
         What the recording needs.
     time : (n,) array
         [s].
-    effects : ServoEffects
-        The effects.
+    fields : set of str
+        What the effects act on, see `pneuservo.effects.servo.SERVO_FIELDS`.
     """
-    line, load, valve = effects.line, effects.load, effects.valve
-    if line.frequency or load.joint_share or effects.stop.cushion_length:
+    if fields & _STIFF:
         return dividing(time, LONGEST_OF_STIFF_EFFECTS)
-    # Gas and walls have states too, but warm up slowly.
-    swift = has_reservoir(effects.supply) or load.mode_share or effects.sensor.displacement_lag
-    swift = swift or effects.spool.flow_force
-    remembered = line.delay or valve.attached_loss or valve.exhaust_area or effects.friction.lag
-    return dividing(time, FINEST) if swift or remembered else steps
+    return dividing(time, FINEST) if fields & _SWIFT else steps

@@ -1,0 +1,17 @@
+"""Mains hum: nothing is made of readings that are missing in a pattern."""
+
+import numpy as np
+import pytest
+
+from pneuservo.diagnosis.hum import hum_in
+
+SAMPLES = 4000
+TIME = np.arange(SAMPLES) * 1e-3
+
+
+@pytest.mark.parametrize("first", range(5))
+def test_a_channel_read_every_fifth_time_has_no_line_of_noise(first):
+    # At twice the mains sine and cosine are one wave on these samples.
+    seen = (np.arange(SAMPLES) % 5 == first).astype(float)
+    noise = seen * np.random.default_rng(first).standard_normal(SAMPLES)
+    assert not np.any(hum_in([noise], [seen], TIME)[0])
