@@ -3,6 +3,7 @@
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.signatures import change_by
@@ -11,6 +12,8 @@ from pneuservo.effects import Effect
 DETECTABLE = 4.0
 """An effect shows when its signature is this many standard deviations long (section 2 of the
 method notes: below 4 a claim is not to be made)."""
+NAMEABLE = LEAST_GAIN**0.5
+"""Length of the shortest signature that innovations are explained by."""
 SAME_DIRECTION = 0.95
 """Signatures with a larger cosine count as one."""
 
@@ -18,7 +21,7 @@ _RUNAWAY = 1e12
 
 
 def not_visible(search: Search) -> list[dict[str, str]]:
-    """Return the effects that could be present at full plausible size without showing.
+    """Return the effects that could be present at a plausible size without showing.
 
     Parameters
     ----------
@@ -52,15 +55,17 @@ def not_visible(search: Search) -> list[dict[str, str]]:
 
 
 def _faint(search: Search) -> list[dict[str, str]]:
-    """Return the hidden effects where the search has worked out how each would show."""
+    """Return the effects that would not be named though as large as they usually are.
+
+    For a search that has worked out how each would show at the size with which its fit begins.
+    """
     hidden = []
     for effect in search.model.effects:
         if effect.id in search.accepted or not _compatible(search, effect):
             continue
-        shown, size = search.pretence.visible(search.baseline)[effect.id], effect.parameters[0]
-        growth = max(abs(size.high), abs(size.low)) / abs(size.starts[0])
-        if shown.distinct * growth < DETECTABLE:
-            absorbed = shown.length * growth >= DETECTABLE
+        shown = search.pretence.visible(search.baseline)[effect.id]
+        if shown.distinct < NAMEABLE:
+            absorbed = shown.length >= NAMEABLE
             why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
             hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
     return hidden
