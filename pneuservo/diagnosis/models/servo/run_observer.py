@@ -218,8 +218,9 @@ def _observe(
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
-    steps = dividing(fed.time, FINEST)
-    if not learning:
+    if learning:
+        steps = dividing(fed.time, FINEST)
+    else:
         fields = {SERVO_FIELDS[key] for key in values if key in SERVO_FIELDS}
         if fed.supply is not None:
             fields = {field for field in fields if not field.startswith("supply.")}

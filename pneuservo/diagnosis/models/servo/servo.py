@@ -319,18 +319,23 @@ def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
 
 def _unlikeliness(fed: Feed, values: Values, rig: Rig, forgiving: bool) -> float:
     """Return twice the negative log-likelihood of the innovations, but for a constant."""
-    curve = np.abs(np.diff(fed.voltage, 2, prepend=fed.voltage[0], append=fed.voltage[-1]))
-    bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
-    calm = bend <= np.median(bend)
+    calm = _calm(fed.voltage) if forgiving else np.zeros(len(fed.time), dtype=bool)
     noise = fed.noise_of(FOLLOWED)[:, np.newaxis]
     square = (_innovations(fed, values, rig)[: len(FOLLOWED)] / noise) ** 2
     total = 0.0
     for squares, shares in zip(square, fed.shares.T, strict=True):
         seen, level = shares > 0.0, 1.0
-        if forgiving and np.any(seen & calm):
+        if np.any(seen & calm):
             level = max(1.0, float(np.median(squares[seen & calm])) / _MEDIAN)
         total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
     return total
+
+
+def _calm(voltage: Array) -> NDArray[np.bool_]:
+    """Return the half of the samples at which the command bends least."""
+    curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
+    bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
+    return np.asarray(bend <= np.median(bend))
 
 
 def _innovations(fed: Feed, values: Values, rig: Rig) -> Array:

@@ -14,7 +14,7 @@ Steps = NDArray[np.int64]
 # squares of less than 10 in each channel, or 16 of a chattering relay with a pressure missing. They
 # follow the recording, the baseline and which effects are looked at: steps that followed fitted
 # values would make innovations jump by as much when a parameter is moved a little.
-LONGEST = 1e-3
+_LONGEST = 1e-3
 _JUMP = 0.05
 """What a command that jumps moves by in one interval, as a share of the full voltage [-] ..."""
 _ARRIVED = 10e-3
@@ -37,7 +37,7 @@ _SWIFT = frozenset(
 )
 """What changes within a millisecond or remembers its past by steps. Gas and walls have states too,
 but warm up slowly, and what the spool remembers it remembers by steps of its own."""
-LONGEST_OF_STIFF_EFFECTS = 100e-6
+_LONGEST_OF_STIFF = 100e-6
 _STIFF = frozenset({"line.frequency", "load.joint_share", "stop.cushion_length"})
 """A small volume at the valve's end of a hose, a joint and a cushion."""
 
@@ -92,7 +92,7 @@ def steps_along(time: Array, voltage: Array, full_voltage: float, decays: Array)
     followed = math.ceil(_ARRIVED / interval - 1e-9)
     # The window ends at each interval and looks back.
     beside = maximum_filter1d(jumps, followed + 1, mode="constant", origin=followed // 2)
-    steps = np.where(beside, dividing(time, FINEST), dividing(time, LONGEST))
+    steps = np.where(beside, dividing(time, FINEST), dividing(time, _LONGEST))
     steps = np.maximum(steps, np.ceil(decays / _STIFFEST).astype(np.int64))
     return np.minimum(steps, dividing(time, FINEST))
 
@@ -110,5 +110,5 @@ def steps_beside(steps: Steps, time: Array, fields: Set[str]) -> Steps:
         What the effects act on, see `pneuservo.effects.servo.SERVO_FIELDS`.
     """
     if fields & _STIFF:
-        return dividing(time, LONGEST_OF_STIFF_EFFECTS)
+        return dividing(time, _LONGEST_OF_STIFF)
     return dividing(time, FINEST) if fields & _SWIFT else steps
