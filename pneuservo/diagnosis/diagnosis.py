@@ -12,7 +12,7 @@ from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
-from pneuservo.diagnosis.readings import likeliest_followed, likeliest_reading
+from pneuservo.diagnosis.readings import Reading, likelier_with, likeliest_followed, ranked_readings
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
 from pneuservo.errors import InputError
@@ -185,10 +185,7 @@ def diagnose(
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        cases, held_back, baseline = _as_read(model, cases, held_back, progress)
-        search = Search(model, cases, progress, seed, jobs)
-        if baseline is not None:
-            search.fits[baseline.hypothesis] = baseline
+        search, held_back = _as_read(Search(model, cases, progress, seed, jobs), held_back)
         search.run()
         unexplained = None
         if not search.interrupted:
@@ -198,8 +195,8 @@ def diagnose(
         if held_back:
             progress("predicting what was held back")
             before, after = (
-                fit(model, held_back, found.hypothesis, fixed=found.shared, reference=cases[0])
-                for found in (search.baseline, repaired)
+                fit(model, held_back, f.hypothesis, fixed=f.shared, reference=search.cases[0])
+                for f in (search.baseline, repaired)
             )
     return Diagnosis(chosen_rig, model, search, held_back, before, after, unexplained)
 
@@ -229,18 +226,38 @@ def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     return model.cases(recording, rig.with_conditions(recording.conditions))
 
 
-def _as_read(
-    model: Model, cases: list[Case], held_back: list[Case], progress: Callable[[str], None]
-) -> tuple[list[Case], list[Case], Fit | None]:
-    """Return all cases as they are best read and followed, with the baseline of those used.
+def _as_read(search: Search, held_back: list[Case]) -> tuple[Search, list[Case]]:
+    """Return the search in the recordings as they are best read, begun, and what is held back.
 
-    How they are read follows from those that are used.
+    How they are read follows from those that are used: from their baselines and, where a name
+    explains more than lies between these, from the fits with that name.
     """
-    readings = model.readings(cases)
-    place, baseline = likeliest_reading(model, readings, progress)
+    model, progress = search.model, search.progress
+    ranked = ranked_readings(model, model.readings(search.cases), progress)
+    found = _begun(search, ranked[0], held_back)
+    first = found[0]
+    if first.interrupted or not first.accepted:
+        return found
+    try:
+        other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
+        return found if other is None else _begun(search, other, held_back)
+    except KeyboardInterrupt:
+        first.interrupted = True
+        return found
+
+
+def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Search, list[Case]]:
+    """Return a search in recordings as they are read and best followed, begun."""
+    model = search.model
     # What is held back may have nothing to judge in the reading that is not asked for.
-    held_back = model.readings(held_back)[place] if place else held_back
-    return likeliest_followed(model, readings[place], held_back, baseline, progress)
+    held = model.readings(held_back)[reading.place] if reading.place else held_back
+    cases, held, baseline = likeliest_followed(
+        model, reading.cases, held, reading.baseline, search.progress
+    )
+    fits = {} if baseline is None else {baseline.hypothesis: baseline}
+    begun = Search(model, cases, search.progress, search.seed, search.jobs, fits)
+    begun.begin()
+    return begun, held
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -305,6 +305,23 @@ def explained(before: Fit, after: Fit, best: Fit | None = None) -> float:
     return float(np.sum(first**2) - np.sum(second**2)) + before.penalty - after.penalty
 
 
+def gained_most(before: Fit, after: Fit) -> float:
+    """Return what a fit gains in the weights in which it gains most, as promises are made.
+
+    Parameters
+    ----------
+    before, after : Fit
+        Of the same recordings.
+
+    Returns
+    -------
+    float
+        In the weights of the closer fit or in those of the noise alone; see `explained`.
+    """
+    in_noise = after.in_weights(dict.fromkeys(after.scale, 1.0))
+    return max(explained(before, after), explained(before, after, in_noise))
+
+
 def rms(residuals: Sequence[Array]) -> float:
     """Return the root mean square of several residuals together.
 

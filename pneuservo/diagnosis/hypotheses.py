@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fit import Fit, explained, gained_most
 from pneuservo.diagnosis.fitting import fit, polished
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN
@@ -123,11 +123,17 @@ class Hypotheses:
             self.fits[hypothesis] = fit(self.model, self.cases, hypothesis, near)
         return self.fits[hypothesis]
 
-    def _fitted_with(self, base: Fit, promises: Mapping[str, float]) -> dict[str, Fit]:
-        """Return the fits of a base with each of some candidates added."""
+    def _fitted_with(
+        self, base: Fit, promises: Mapping[str, float], reached: float = 0.0
+    ) -> dict[str, Fit]:
+        """Return the fits of a base with each of some candidates added.
+
+        What promises far less than what has been reached is not worth a second try.
+        """
 
         def add(name: str) -> Fit:
-            return self._keeping(promises[name], base, base.hypothesis.adding(name))
+            hypothesis = base.hypothesis.adding(name)
+            return self._keeping(promises[name], base, hypothesis, reached)
 
         names = list(promises)
         found = dict(zip(names, side_by_side(add, names, self._at_a_time), strict=True))
@@ -136,13 +142,14 @@ class Hypotheses:
                 self._hopeless.setdefault(name, []).append(base.hypothesis)
         return found
 
-    def _keeping(self, promise: float, base: Fit, hypothesis: Hypothesis) -> Fit:
+    def _keeping(self, promise: float, base: Fit, hypothesis: Hypothesis, reached: float) -> Fit:
         """Return the fit of a hypothesis, carried to its end where it breaks what it promised."""
         known = hypothesis in self.fits
         found = self.fitted(hypothesis, base)
         # Where sensitivities are not steady nothing was promised.
-        kept = math.isinf(promise) or explained(base, found) >= LEAST_KEPT * promise
-        if known or promise <= LEAST_GAIN or kept:
+        if known or math.isinf(promise) or promise <= max(LEAST_GAIN, LEAST_KEPT * reached):
+            return found
+        if gained_most(base, found) >= LEAST_KEPT * promise:
             return found
         alone = fit(self.model, self.cases, hypothesis, base, alone=True)
         if explained(found, alone) > 0.0:
@@ -173,7 +180,8 @@ class Hypotheses:
         """
         ranked = sorted(promises, key=promises.__getitem__, reverse=True)
         found = self._fitted_with(base, {n: promises[n] for n in ranked[:FITTED_FIRST]})
-        best = max((explained(base, f) for n, f in found.items() if not barred(n, f)), default=0.0)
-        near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > best]
-        found |= self._fitted_with(base, {n: promises[n] for n in near})
+        fits = [closer for name, closer in found.items() if not barred(name, closer)]
+        reached = max((gained_most(base, closer) for closer in fits), default=0.0)
+        near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > reached]
+        found |= self._fitted_with(base, {n: promises[n] for n in near}, reached)
         return {name: found[name] for name in promises if name in found}

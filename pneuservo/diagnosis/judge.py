@@ -59,6 +59,15 @@ class Judge(Protocol):
             By how much the information criterion falls with it.
         """
 
+    def least(self, name: str) -> float:
+        """Return how much a candidate has to explain at least, whatever else there is.
+
+        Parameters
+        ----------
+        name
+            As for `earns`.
+        """
+
     def barred(self, name: str, closer: Fit) -> bool:
         """Return whether a candidate is not to be named whatever it explains.
 
@@ -147,6 +156,10 @@ class ByEvidence:
         enough = self.share(closer) > SMALLEST_SHARE
         return enough or gain(self.current, closer) > LARGE_SHARE_OF_REST * self.rest
 
+    def least(self, name: str) -> float:
+        """Return nothing: it shows in the fit."""
+        return 0.0
+
     def barred(self, name: str, closer: Fit) -> bool:
         """Return that no candidate is."""
         return False
@@ -188,21 +201,26 @@ class ByGain:
 
     def earns(self, name: str, closer: Fit, drop: float) -> bool:
         """Return whether a candidate explains more than chance, imitations and form would."""
-        explains, least = drop, LEAST_DISTANCE
+        explains = drop
         if self.barred(name, closer):
             return False
         if not name.startswith("param."):
             if drop <= DECISIVE:
                 return False
-            # Where the named law and the real one differ in form a little is always left ...
+            # Where the named law and the real one differ in form a little is always left.
             first = not self.current.hypothesis.members
             if not first and self.share(closer) <= SECOND_SHARE:
                 return False
-            explains, least = explained(self.current, closer), LEAST_GAIN
-        if self.current.hypothesis.effects:
-            # ... which pulls at parameters, and at channels where little else shows, too.
-            least = max(least, AS_GOOD * explained(self.baseline, self.current))
-        return explains > max(least, OVER_IMITATIONS * self.pretended(name, closer))
+            explains = explained(self.current, closer)
+        return explains > max(self.least(name), OVER_IMITATIONS * self.pretended(name, closer))
+
+    def least(self, name: str) -> float:
+        """Return what no noise explains, or what the form of the laws found so far leaves."""
+        least = LEAST_DISTANCE if name.startswith("param.") else LEAST_GAIN
+        if not self.current.hypothesis.effects:
+            return least
+        # It pulls at parameters, and at channels where little else shows, too.
+        return max(least, AS_GOOD * explained(self.baseline, self.current))
 
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]

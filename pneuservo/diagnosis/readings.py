@@ -1,8 +1,9 @@
 """How recordings are to be read and followed: where they do not say, what fits better is taken."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fit import Fit, gained_most
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
@@ -12,10 +13,33 @@ from pneuservo.diagnosis.problem import values_in_each
 Cases = Sequence[Case]
 
 
-def likeliest_reading(
+@dataclass(frozen=True)
+class Reading:
+    """Recordings read in one way.
+
+    Parameters
+    ----------
+    place : int
+        Of that way among those of the model.
+    cases : sequence of Case
+        As they are then.
+    baseline : Fit or None
+        Fitted to them, where more than one way had to be tried.
+    unlikely : float
+        Twice the negative log-likelihood of what is left, but for a constant; a misfit all over
+        is forgiven.
+    """
+
+    place: int
+    cases: Cases
+    baseline: Fit | None = None
+    unlikely: float = 0.0
+
+
+def ranked_readings(
     model: Model, readings: Sequence[Cases], progress: Callable[[str], None]
-) -> tuple[int, Fit | None]:
-    """Return the place of the reading that fits best, and its baseline where it was fitted.
+) -> list[Reading]:
+    """Return each way to read some recordings, the likeliest first.
 
     Parameters
     ----------
@@ -32,15 +56,62 @@ def likeliest_reading(
     would decide instead, by whatever factor. A misfit all over is no argument for a reading.
     """
     if len(readings) == 1:
-        return 0, None
+        return [Reading(0, readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
     fits = _fitted_in_turn(model, readings, None)
-    unlikely = [
-        model.unlikeliness(read, values, forgiving=True)
-        for read, values in zip(readings, _values(readings, fits), strict=True)
+    found = [
+        Reading(place, cases, baseline, _unlikely(model, cases, baseline))
+        for place, (cases, baseline) in enumerate(zip(readings, fits, strict=True))
     ]
-    best = unlikely.index(min(unlikely))
-    return best, fits[best]
+    return sorted(found, key=lambda reading: reading.unlikely)
+
+
+def likelier_with(
+    model: Model,
+    ranked: Sequence[Reading],
+    baseline: Fit,
+    named: Fit,
+    progress: Callable[[str], None],
+) -> Reading | None:
+    """Return the reading that a name makes likelier than the first of them, if there is one.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    ranked : sequence of Reading
+        From `ranked_readings`.
+    baseline, named : Fit
+        Of the first, without the name and with it.
+    progress : callable
+        Told what is being fitted.
+
+    Notes
+    -----
+    What an effect leaves unexplained may be so much that it decides how recordings are read. Only
+    what explains more than lay between two readings can turn their order.
+    """
+    first = ranked[0]
+    gain = gained_most(baseline, named)
+    others = [other for other in ranked[1:] if other.unlikely - first.unlikely < gain]
+    if not others:
+        return None
+    progress("fitting what was found to each way in which the recordings may be read")
+    unlikely = {
+        reading.place: _unlikely(
+            model,
+            reading.cases,
+            fit(model, reading.cases, named.hypothesis, reading.baseline),
+        )
+        for reading in (first, *others)
+    }
+    best = min((first, *others), key=lambda reading: unlikely[reading.place])
+    return None if best is first else best
+
+
+def _unlikely(model: Model, cases: Cases, found: Fit) -> float:
+    values = values_in_each(cases, cases[0], found.shared, found.own)
+    return model.unlikeliness(cases, values, forgiving=True)
 
 
 def likeliest_followed(

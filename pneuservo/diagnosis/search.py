@@ -1,6 +1,7 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -84,6 +85,17 @@ class Search(Hypotheses):
         """Return the noise of all recordings together [SI]."""
         return float(np.sqrt(np.mean(np.square(self.noise))))
 
+    def begin(self) -> None:
+        """Search for the first of what the recordings call for; `run` goes on from there.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            When not even the baseline is fitted yet.
+        """
+        with self._kept_when_interrupted():
+            self._add(1)
+
     def run(self) -> None:
         """Search, and keep what has been found when the user interrupts it.
 
@@ -92,8 +104,16 @@ class Search(Hypotheses):
         KeyboardInterrupt
             When not even the baseline is fitted yet.
         """
+        if self.interrupted:
+            return
+        with self._kept_when_interrupted():
+            self._add(MOST_EFFECTS)
+            self._drop_chance()
+
+    @contextmanager
+    def _kept_when_interrupted(self) -> Iterator[None]:
         try:
-            self._run()
+            yield
         except KeyboardInterrupt:
             if Hypothesis() not in self.fits:
                 raise
@@ -103,16 +123,12 @@ class Search(Hypotheses):
             if self._with(self.accepted) not in self.fits:
                 self.accepted[:] = known[:1]
 
-    def _run(self) -> None:
-        """Add the best candidate until none earns its place, then drop what chance explains.
-
-        Chance is judged last, by what the final model leaves: while a second effect is still in
-        the residual, it would pass for noise and shield the first.
-        """
+    def _add(self, most: int) -> None:
+        """Add the best candidate until none earns its place, or so many have."""
         seen: set[frozenset[str]] = set()
         # What is revised may come back to where it was: then it would go round for ever.
         while (
-            len(self.accepted) < MOST_EFFECTS
+            len(self.accepted) < most
             and frozenset(self.accepted) not in seen
             and self._worth_going_on
         ):
@@ -126,6 +142,13 @@ class Search(Hypotheses):
             else:
                 break
             self._revise()
+
+    def _drop_chance(self) -> None:
+        """Drop what chance explains.
+
+        Chance is judged last, by what the final model leaves: while a second effect is still in
+        the residual, it would pass for noise and shield the first.
+        """
         while self.accepted:
             self.over_chance = {
                 member: self._gain_over_chance(member)
@@ -184,9 +207,9 @@ class Search(Hypotheses):
             return self._in_place_of_so_far(kept)
         rest = self.fitted(self._with(kept))
         promises = self._promises(rest, self._compatible(kept), keep=(member,))
-        needed = explained(rest, self.chosen) / MOST_OVER_PROMISE
-        near = {n: p for n, p in promises.items() if n == member or p > needed}
-        return rest, self._fitted_with(rest, near)
+        needed = explained(rest, self.chosen)
+        near = {n: p for n, p in promises.items() if n == member or MOST_OVER_PROMISE * p > needed}
+        return rest, self._fitted_with(rest, near, needed)
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
         """Return the same from what had been fitted when the search was interrupted."""
@@ -329,7 +352,11 @@ class Search(Hypotheses):
     def _best_addition(self) -> str | None:
         current = self.chosen
         judge = self._judge(current)
-        promises = self._promises(current, self._compatible(self.accepted))
+        promises = {
+            name: promise
+            for name, promise in self._promises(current, self._compatible(self.accepted)).items()
+            if MOST_OVER_PROMISE * promise > judge.least(name)
+        }
         tried = self._best_fitted(current, promises, judge.barred)
         if not tried:
             return None

@@ -157,24 +157,35 @@ def gained(before, after, best=None):
 
 
 @pytest.mark.parametrize(
-    ("promise", "further", "gains"),
+    ("promise", "further", "reached", "gains"),
     [
-        (200.0, 180.0, 180.0),
-        (200.0, 5.0, 20.0),
-        (30.0, 180.0, 20.0),
-        (35.0, 180.0, 20.0),
-        (math.inf, 180.0, 20.0),
+        (200.0, 180.0, 390.0, 180.0),
+        (200.0, 5.0, 0.0, 20.0),
+        (30.0, 180.0, 0.0, 20.0),
+        (35.0, 180.0, 0.0, 20.0),
+        (math.inf, 180.0, 0.0, 20.0),
+        (200.0, 180.0, 410.0, 20.0),
     ],
-    ids=["kept in the end", "no further", "promised too little", "kept half of it", "none made"],
+    ids=[
+        "kept in the end",
+        "no further",
+        "promised too little",
+        "kept half of it",
+        "none made",
+        "others reached far more",
+    ],
 )
-def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(monkeypatch, promise, further, gains):
+def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(
+    monkeypatch, promise, further, reached, gains
+):
     monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "gained_most", gained)
     monkeypatch.setattr(hypotheses, "fit", lambda *args, **how: SimpleNamespace(gain=20.0))
     monkeypatch.setattr(hypotheses, "polished", lambda *args: SimpleNamespace(gain=further))
     tried = Hypotheses(SimpleNamespace(steady=True), [])
     base = SimpleNamespace(gain=0.0)
     name = Hypothesis().adding("load.spring")
-    assert tried._keeping(promise, base, name).gain == gains
+    assert tried._keeping(promise, base, name, reached).gain == gains
     assert tried.fits[name].gain == gains
 
 
@@ -182,11 +193,14 @@ def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(monkeypatch, promis
 def test_what_is_barred_shields_nothing(monkeypatch, barred):
     gains = {"param.temperature": 200.0, "param.load.mass": 1.0, "load.spring": 60.0}
     monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "gained_most", gained)
     tried = Hypotheses(SimpleNamespace(steady=False), [])
     monkeypatch.setattr(
         tried,
         "_fitted_with",
-        lambda base, promises: {name: SimpleNamespace(gain=gains[name]) for name in promises},
+        lambda base, promises, reached=0.0: {
+            name: SimpleNamespace(gain=gains[name]) for name in promises
+        },
     )
     promises = dict(zip(gains, (210.0, 100.0, 60.0), strict=True))
     found = tried._best_fitted(

@@ -7,8 +7,10 @@ import pytest
 from servo_recordings import NOISE, noisy, recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
+from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.readings import likeliest_followed, likeliest_reading
+from pneuservo.diagnosis.readings import likelier_with, likeliest_followed, ranked_readings
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
@@ -110,8 +112,7 @@ def test_a_ripple_of_a_supply_that_was_not_recorded_shows_in_the_chambers(rig):
 
 def read_as(model, cases):
     """Return the cases in the likelier reading of their command."""
-    readings = model.readings(cases)
-    return readings[likeliest_reading(model, readings, lambda step: None)[0]]
+    return ranked_readings(model, model.readings(cases), lambda step: None)[0].cases
 
 
 def test_a_held_command_is_told_from_one_that_runs_on(rig):
@@ -123,6 +124,21 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     run = simulate(rig, time=TIME, command=steps)
     held = read_as(model, model.cases(noisy(run, rng), rig))
     assert not held[0].inputs["feed"].ramped
+
+
+def test_what_an_effect_leaves_does_not_decide_how_a_command_is_read(rig):
+    leak = "leakage.chamber-a"
+    leaking = replace(rig, effects={leak: {"area": 3e-8}})
+    model, quiet = ServoModel(), lambda step: None
+    cases = model.cases(recorded(leaking, SlidingMode(), 4), rig)
+    ranked = ranked_readings(model, model.readings(cases), quiet)
+    first, other = ranked
+    # With the leak unexplained a command that is held seems likelier.
+    assert not first.cases[0].inputs["feed"].ramped
+    named = fit(model, first.cases, Hypothesis().adding(leak), first.baseline)
+    assert likelier_with(model, ranked, first.baseline, named, quiet) is other
+    # What explains less than lies between two readings cannot turn their order.
+    assert likelier_with(model, ranked, first.baseline, first.baseline, quiet) is None
 
 
 def shaken_by(rig, share):
