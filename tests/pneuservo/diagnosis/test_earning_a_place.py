@@ -9,8 +9,9 @@ import pytest
 from pneuservo.diagnosis import hypotheses
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import LEAST_GAIN, SECOND_SHARE, ByGain
+from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE, ByGain
 from pneuservo.diagnosis.screen import _adds
+from pneuservo.diagnosis.search import Search
 from pneuservo.effects import effect_by_id
 
 SAMPLES = 10_000
@@ -138,6 +139,31 @@ def test_what_only_relieves_strained_parameters_is_no_effect(strained, earns):
     closer.shared = {delay.key(p.name): p.starts[0] for p in delay.parameters}
     judge = ByGain(current, current, [delay], lambda name, fit: 0.0)
     assert judge.earns(delay.id, closer, 100.0) == earns
+
+
+@pytest.mark.parametrize(
+    ("effects", "spring", "mass"),
+    [(set(), LEAST_GAIN, LEAST_DISTANCE), ({"leakage.chamber-a"}, 100.0, 100.0)],
+    ids=["first", "beside a large one"],
+)
+def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, mass):
+    current, baseline = leaves(1000.0, 24), leaves(11_000.0, 24)
+    current.hypothesis = SimpleNamespace(effects=effects)
+    judge = ByGain(current, baseline, (), lambda name, fit: 0.0)
+    assert judge.least("load.spring") == pytest.approx(spring)
+    assert judge.least("param.load.mass") == pytest.approx(mass)
+    # No candidate gains more than three times what it promised.
+    promises = {"load.spring": spring / 2.9, "load.backlash": spring / 3.1}
+    search, fitted = Search(SimpleNamespace(steady=True, effects=()), []), []
+    search.fits[Hypothesis()] = current
+    monkeypatch.setattr(Search, "_judge", lambda self, fit: judge)
+    monkeypatch.setattr(Search, "_compatible", lambda self, accepted: list(promises))
+    monkeypatch.setattr(Search, "_promises", lambda self, base, names: promises)
+    monkeypatch.setattr(
+        Search, "_best_fitted", lambda self, base, worth, barred: fitted.extend(worth)
+    )
+    assert search._best_addition() is None
+    assert fitted == ["load.spring"]
 
 
 def test_less_than_none_of_an_effect_promises_nothing():
