@@ -75,9 +75,14 @@ POSITION_NONLINEARITY = Effect(
     id="sensor.position-nonlinearity",
     block=_DISPLACEMENT,
     rigs=_RIGS,
-    statement="The displacement reads in waves along the stroke; the model takes it as true.",
-    equation="x_read = x + first sin(2 pi x/stroke) + second sin(4 pi x/stroke)",
+    statement="The displacement reads along a curve; the model takes it as true.",
+    equation=(
+        "x_read = x + bow sin(pi x/stroke) + first sin(2 pi x/stroke) + second sin(4 pi x/stroke)"
+    ),
     parameters=(
+        EffectParameter(
+            "bow", "m", 0.0, -6e-4, 6e-4, (5e-5,), "amplitude, half a wave", "sensor.bow"
+        ),
         EffectParameter(
             "first", "m", 0.0, -6e-4, 6e-4, (5e-5,), "amplitude, one wave", "sensor.first_harmonic"
         ),

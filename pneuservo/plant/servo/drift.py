@@ -102,6 +102,7 @@ def _effects_with_factor(effects, read):
         SensorEffects(
             read * (1.0 + sensor.displacement_gain) - 1.0,
             sensor.displacement_offset,
+            sensor.bow,
             sensor.first_harmonic,
             sensor.second_harmonic,
             sensor.displacement_lag,

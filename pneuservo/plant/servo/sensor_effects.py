@@ -16,8 +16,10 @@ class SensorEffects(NamedTuple):
     """Relative error [-]."""
     displacement_offset: float = 0.0
     """[m]."""
+    bow: float = 0.0
+    """Amplitude of an error with half a period along the stroke [m]."""
     first_harmonic: float = 0.0
-    """Amplitude of an error with one period along the stroke [m]."""
+    """The same with one period [m]."""
     second_harmonic: float = 0.0
     """The same with two periods [m]."""
     displacement_lag: float = 0.0
@@ -65,10 +67,11 @@ def displacement_error(displacement, stroke, effects):
     0.0001
     """
     error = effects.displacement_gain * displacement + effects.displacement_offset
-    if effects.first_harmonic != 0.0 or effects.second_harmonic != 0.0:
-        angle = 2.0 * math.pi * displacement / stroke
-        error += effects.first_harmonic * math.sin(angle)
-        error += effects.second_harmonic * math.sin(2.0 * angle)
+    if effects.bow != 0.0 or effects.first_harmonic != 0.0 or effects.second_harmonic != 0.0:
+        angle = math.pi * displacement / stroke
+        error += effects.bow * math.sin(angle)
+        error += effects.first_harmonic * math.sin(2.0 * angle)
+        error += effects.second_harmonic * math.sin(4.0 * angle)
     return error
 
 
@@ -82,11 +85,12 @@ def displacement_gain(displacement, stroke, effects):
         As in `displacement_error`.
     """
     slope = 1.0 + effects.displacement_gain
-    if effects.first_harmonic != 0.0 or effects.second_harmonic != 0.0:
-        w = 2.0 * math.pi / stroke
+    if effects.bow != 0.0 or effects.first_harmonic != 0.0 or effects.second_harmonic != 0.0:
+        w = math.pi / stroke
         angle = w * displacement
-        slope += w * effects.first_harmonic * math.cos(angle)
-        slope += 2.0 * w * effects.second_harmonic * math.cos(2.0 * angle)
+        slope += w * effects.bow * math.cos(angle)
+        slope += 2.0 * w * effects.first_harmonic * math.cos(2.0 * angle)
+        slope += 4.0 * w * effects.second_harmonic * math.cos(4.0 * angle)
     return slope
 
 

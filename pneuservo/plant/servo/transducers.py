@@ -147,6 +147,7 @@ def true_motion(
     errors = (
         sensor.displacement_gain,
         sensor.displacement_offset,
+        sensor.bow,
         sensor.first_harmonic,
         sensor.second_harmonic,
     )

@@ -310,6 +310,7 @@ def test_readings_can_be_traced_back():
     sensor = NEUTRAL.sensor._replace(
         displacement_gain=0.02,
         displacement_offset=1e-4,
+        bow=-7e-5,
         first_harmonic=1e-4,
         pressure_a_gain=0.01,
         pressure_a_offset=2e3,
@@ -320,8 +321,9 @@ def test_readings_can_be_traced_back():
     back_a, back_b = true_pressures(time, read_a, read_b, sensor)
     assert back_a == pytest.approx(pressure, rel=1e-12)
     assert back_b == pytest.approx(pressure, rel=1e-12)
-    read = x * 1.02 + 1e-4 + 1e-4 * np.sin(2.0 * np.pi * x / 0.03)
-    slope = 1.02 + 1e-4 * 2.0 * np.pi / 0.03 * np.cos(2.0 * np.pi * x / 0.03)
+    part = np.pi * x / 0.03
+    read = x * 1.02 + 1e-4 - 7e-5 * np.sin(part) + 1e-4 * np.sin(2.0 * part)
+    slope = 1.02 + np.pi / 0.03 * (2e-4 * np.cos(2.0 * part) - 7e-5 * np.cos(part))
     true_x, true_v = true_motion(read, slope * v, None, 0.03, sensor)
     # Three rounds with a contraction of 0.04: 0.04^3 of the error of 0.7 mm.
     assert true_x == pytest.approx(x, abs=0.04**3 * 7e-4)
