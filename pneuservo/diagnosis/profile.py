@@ -81,7 +81,9 @@ class _Profile:
         self._problem, self._vector, self._jacobian = problem, vector, jacobian
         self._wanted = wanted
         self._lowest = float(np.sum(problem.cost_vector(vector) ** 2))
-        spread = np.linalg.pinv(jacobian.T @ jacobian)
+        # Products of the tall matrix, made once: its singular values cost as much as a simulation.
+        self._products = jacobian.T @ jacobian
+        spread = np.linalg.pinv(self._products)
         self._sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
 
     def end(self, column: int, sign: float) -> float:
@@ -114,7 +116,7 @@ class _Profile:
         vector = self._vector.copy()
         others = np.arange(len(vector)) != column
         vector[column] = value
-        jacobian = self._jacobian[:, others]
+        follow = _inverse(self._products[np.ix_(others, others)])
         low, high = self._problem.bounds
         lowest = np.inf
         for _ in range(_CHORDS + 1):
@@ -124,6 +126,14 @@ class _Profile:
             if not cost < lowest:
                 break
             lowest = cost
-            step = np.linalg.lstsq(jacobian, -left, rcond=None)[0]
-            vector[others] = np.clip(vector[others] + step, low[others], high[others])
+            step = follow @ (self._jacobian.T @ left)[others]
+            vector[others] = np.clip(vector[others] - step, low[others], high[others])
         return max(lowest - self._lowest, 0.0)
+
+
+def _inverse(products: Array) -> Array:
+    """Return the inverse of products of columns, each column counted in its own length."""
+    lengths = np.sqrt(np.diag(products))
+    scale = np.where(lengths > 0.0, 1.0 / np.where(lengths > 0.0, lengths, 1.0), 0.0)
+    scaled = np.linalg.pinv(products * np.outer(scale, scale), rcond=1e-12, hermitian=True)
+    return np.asarray(scaled * np.outer(scale, scale))
