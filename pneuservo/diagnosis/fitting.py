@@ -11,7 +11,7 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.diagnosis.problem import Problem, begun_at, problem_with, problems_of
-from pneuservo.diagnosis.starts import best_start, least_of
+from pneuservo.diagnosis.starts import Begin, best_start, least_of
 from pneuservo.diagnosis.steady import Known, SteadySensitivity
 from pneuservo.errors import FitError
 
@@ -34,7 +34,7 @@ def fit(
     near: Fit | None = None,
     fixed: Values | None = None,
     reference: Case | None = None,
-    alone: bool = False,
+    begin: Begin = Begin.ANYWHERE,
 ) -> Fit:
     """Fit a hypothesis to recordings by simulating them.
 
@@ -52,8 +52,8 @@ def fit(
         Values of all shared unknowns; only each recording's own are then fitted.
     reference : Case, optional
         The recording that `fixed` is stated for; the first one where it is not given.
-    alone : bool, optional
-        As of `pneuservo.diagnosis.starts.best_start`.
+    begin : Begin, optional
+        From where, if there is such a fit.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def fit(
     by sheer number of samples.
     """
     if fixed is None:
-        best = best_start(model, cases, hypothesis, near, alone)
+        best = best_start(model, cases, hypothesis, near, begin)
     else:
         best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
         if not best.unknowns:

@@ -14,6 +14,7 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promising
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.diagnosis.starts import Begin
 
 FITTED_FIRST = 2
 """So many candidates are fitted before the others are asked whether they can still catch up."""
@@ -149,12 +150,15 @@ class Hypotheses:
         # Where sensitivities are not steady nothing was promised.
         if known or math.isinf(promise) or promise <= max(LEAST_GAIN, LEAST_KEPT * reached):
             return found
-        if gained_most(base, found) >= LEAST_KEPT * promise:
-            return found
-        alone = fit(self.model, self.cases, hypothesis, base, alone=True)
-        if explained(found, alone) > 0.0:
-            self.fits[hypothesis] = alone
-        return self.ended(hypothesis)
+        for begin in (Begin.ALONE, Begin.NOMINAL):
+            if gained_most(base, found) >= LEAST_KEPT * promise:
+                break
+            again = fit(self.model, self.cases, hypothesis, base, begin=begin)
+            if explained(found, again) > 0.0:
+                self.fits[hypothesis] = again
+                self._ended.discard(hypothesis)
+            found = self.ended(hypothesis)
+        return found
 
     def ended(self, hypothesis: Hypothesis) -> Fit:
         """Return a fit carried to its end with sensitivities of its own, for a steady model.

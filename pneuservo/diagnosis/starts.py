@@ -1,6 +1,7 @@
 """Where a fit begins."""
 
 from collections.abc import Sequence
+from enum import Enum
 
 import numpy as np
 
@@ -9,6 +10,17 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, begun_at, problems_of
+
+
+class Begin(Enum):
+    """From where a fit near a similar one may begin."""
+
+    ANYWHERE = "wherever it leaves the least"
+    ALONE = "with all else where it was, and the size of what is new as if that were linear"
+    """Where a new effect is far from linear, what makes up for it does so at another size."""
+    NOMINAL = "at the nominal parameters"
+    """Parameters that have gone far astray for want of an effect hold a fit where they are."""
+
 
 _SMALL = 0.1
 """Share of its first size with which an effect begins that seems to be none."""
@@ -20,7 +32,7 @@ def best_start(
     cases: Sequence[Case],
     hypothesis: Hypothesis,
     near: Fit | None,
-    alone: bool = False,
+    begin: Begin = Begin.ANYWHERE,
 ) -> Problem:
     """Return the problem of a fit, begun where it leaves the least.
 
@@ -30,17 +42,17 @@ def best_start(
         What is fitted to what.
     near : Fit or None
         A fit of a similar hypothesis to start from.
-    alone : bool, optional
-        Whether nothing makes up for the size of a new effect at first: where that is far from
-        linear, what makes up for it does so at another size.
+    begin : Begin, optional
+        From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
-    if near is not None:
+    if near is not None and begin is not Begin.NOMINAL:
         # The parameters may have gone astray for want of the effect: their nominal values as well.
         moved = [begun_at(start, near.shared, near.own) for start in starts]
         starts += moved
         if model.steady:
             # A fit that keeps its sensitivities has to begin near enough.
+            alone = begin is Begin.ALONE
             sized = [found for start in moved for found in _sized(start, near, hypothesis, alone)]
             starts = sized if alone and sized else starts + sized
             starts += _balanced(moved[0], near, hypothesis)
