@@ -12,6 +12,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE, ByGain
 from pneuservo.diagnosis.screen import _adds
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.starts import Begin
 from pneuservo.effects import effect_by_id
 
 SAMPLES = 10_000
@@ -213,6 +214,24 @@ def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(
     name = Hypothesis().adding("load.spring")
     assert tried._keeping(promise, base, name, reached).gain == gains
     assert tried.fits[name].gain == gains
+
+
+@pytest.mark.parametrize("best", list(Begin), ids=lambda begin: begin.name)
+def test_a_fit_begins_elsewhere_only_where_it_breaks_its_promise(monkeypatch, best):
+    begun = []
+
+    def stand_in(*args, begin=Begin.ANYWHERE):
+        begun.append(begin)
+        return SimpleNamespace(gain=150.0 if begin is best else 20.0)
+
+    monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    monkeypatch.setattr(hypotheses, "fit", stand_in)
+    monkeypatch.setattr(hypotheses, "polished", lambda model, cases, found: found)
+    tried = Hypotheses(SimpleNamespace(steady=True), [])
+    name = Hypothesis().adding("load.spring")
+    assert tried._keeping(200.0, SimpleNamespace(gain=0.0), name, 0.0).gain == 150.0
+    assert begun == list(Begin)[: list(Begin).index(best) + 1]
 
 
 @pytest.mark.parametrize("barred", [False, True])
