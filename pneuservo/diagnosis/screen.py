@@ -80,12 +80,25 @@ def promising(
     return {name: max(as_fitted[name], as_noise[name]) for name in names if name in best}
 
 
-def _least_promise(name: str, base: Fit) -> float:
+def promises_count(base: Fit) -> bool:
+    """Return whether a fit leaves enough independent samples for a signature to promise anything.
+
+    Parameters
+    ----------
+    base : Fit
+        What candidates would be added to.
+    """
     for channel, worth in base.effective.items():
-        # So few independent samples promise nothing, whatever they hide.
+        # So few promise nothing, whatever they hide.
         samples = base.samples_of(channel)
         if FEW * base.samples < samples and worth < SMOOTH * samples:
-            return 0.0
+            return False
+    return True
+
+
+def _least_promise(name: str, base: Fit) -> float:
+    if not promises_count(base):
+        return 0.0
     return LEAST_DISTANCE / 2.0 if name.startswith("param.") else LEAST_PROMISE
 
 

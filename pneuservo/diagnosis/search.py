@@ -29,7 +29,7 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
-from pneuservo.diagnosis.screen import MOST_OVER_PROMISE
+from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count
 
 SUREST = 0.95
 """Largest probability that is claimed: the catalogue never holds everything. (Of 15 names stated
@@ -352,11 +352,13 @@ class Search(Hypotheses):
     def _best_addition(self) -> str | None:
         current = self.chosen
         judge = self._judge(current)
-        promises = {
-            name: promise
-            for name, promise in self._promises(current, self._compatible(self.accepted)).items()
-            if MOST_OVER_PROMISE * promise > judge.least(name)
-        }
+        promises = self._promises(current, self._compatible(self.accepted))
+        if promises_count(current):
+            promises = {
+                name: promise
+                for name, promise in promises.items()
+                if MOST_OVER_PROMISE * promise > judge.least(name)
+            }
         tried = self._best_fitted(current, promises, judge.barred)
         if not tried:
             return None

@@ -23,6 +23,11 @@ INSTEAD = 1.1
 the names."""
 MANY_NAMES = 3
 """So many names may have shared among them what a single thing does that has none."""
+HARDLY_CLOSER = 0.5
+"""Share of what is beyond noise that names may leave: where they leave more, something that has
+none is tried in their place ..."""
+LEAST_LEFT = 0.1
+"""... if it is this share of the noise, whose size is known to 5 %."""
 WORTH_FITTING = 3
 """So many tables, those that promise most, are fitted ..."""
 LEAST_PROMISE = 0.2
@@ -189,13 +194,19 @@ def find_unexplained(
     named = explained(baseline, chosen)
     if beside is not None and beside.gain < WORTH_SAYING * (beside.gain + named):
         beside = None
-    if beside is not None or names >= MANY_NAMES:
+    if beside is not None or names >= MANY_NAMES or _hardly_closer(baseline, chosen):
         instead = _best(model, cases, tables, baseline, copies, jobs)
         if instead is not None:
             by_names = explained(baseline, chosen, instead.fit)
             if instead.gain > INSTEAD * by_names:
                 return replace(instead, instead=True)
     return None if beside is None else replace(beside, named_gain=named)
+
+
+def _hardly_closer(baseline: Fit, chosen: Fit) -> bool:
+    """Return whether what is beyond noise is mostly still there; residuals count in noise."""
+    before, after = (max(fit.rms**2 - 1.0, 0.0) for fit in (baseline, chosen))
+    return after > HARDLY_CLOSER * before and after > LEAST_LEFT
 
 
 def _of_channels(cases: Sequence[Case], fit: Fit) -> Fit:
