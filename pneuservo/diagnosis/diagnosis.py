@@ -8,7 +8,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit
-from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.fitting import beyond_ridges, fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
@@ -254,7 +254,10 @@ def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Sea
     cases, held, baseline = likeliest_followed(
         model, reading.cases, held, reading.baseline, search.progress
     )
-    fits = {} if baseline is None else {baseline.hypothesis: baseline}
+    fits = {}
+    if baseline is not None:
+        closer = beyond_ridges(model, cases, baseline, search.jobs)
+        fits[closer.hypothesis] = closer
     begun = Search(model, cases, search.progress, search.seed, search.jobs, fits)
     begun.begin()
     return begun, held

@@ -1,16 +1,18 @@
 """Output-error fits: the whole model is simulated and compared with what was measured."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, rms
+from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.diagnosis.problem import Problem, begun_at, problem_with, problems_of
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.starts import Begin, best_start, least_of
 from pneuservo.diagnosis.steady import Known, SteadySensitivity
 from pneuservo.errors import FitError
@@ -22,7 +24,9 @@ _ENOUGH = 1e-5
 _FEW_EVALUATIONS = 15
 _MOST_PASSES = 8
 _BEYOND = (-2.0, -1.0, 1.0, 2.0)
-"""Tolerances by which a parameter is moved to look beyond a ridge."""
+"""Tolerances by which a parameter is moved to look beyond a ridge ..."""
+_WORTH_LOOKING = 1.05
+"""... where a channel of a recording is left at so many times its noise, which is known to 5 %."""
 _SETTLED = 0.03
 """Relative change of the weights below which they have settled."""
 
@@ -102,11 +106,8 @@ def refitted(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
 
 
 def _fitted_anew(problem: Problem, hypothesis: Hypothesis) -> Fit:
-    """Return a fit with sensitivities of its own, beyond ridges too."""
+    """Return a fit with sensitivities of its own."""
     vector = _settled(problem, np.asarray(problem.begin) / problem.units, hypothesis, None)
-    beyond = _beyond_ridges(problem, vector)
-    if beyond is not None:
-        vector = _settled(problem, beyond, hypothesis, None)
     return _summary(hypothesis, problem, vector, None)
 
 
@@ -126,31 +127,52 @@ def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit 
     return vector
 
 
-def _beyond_ridges(problem: Problem, vector: Array) -> Array | None:
-    """Return values beyond a ridge of the sum of squares that leave less, where there are any.
+def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1) -> Fit:
+    """Return a fit, or the one beyond a ridge of the sum of squares where that leaves less.
 
-    All other unknowns follow as they would if they were linear.
+    Parameters
+    ----------
+    model, cases
+        What was fitted to what.
+    found : Fit
+        From `fit`.
+    jobs : int, optional
+        So many sides at a time.
+
+    Notes
+    -----
+    Each parameter whose ridges the model knows is moved by some tolerances to either side, all
+    others follow as they would if they were linear, and the fit goes on from there with the
+    sensitivities that it has: halfway to where it leaves less it may leave more.
     """
-    keys, matrix = problem.keys, problem.jacobian
-    if not problem.model.ridges or matrix is None:
-        return None
-    low, high = problem.bounds
-    least, best = float(np.sum(problem.cost_vector(vector) ** 2)), None
-    for place, sigma in zip(problem.tolerated, problem.sigma, strict=True):
-        if keys[place] not in problem.model.ridges:
-            continue
-        tolerance = sigma / problem.units[place]
-        others = np.delete(matrix, place, axis=1)
-        for away in _BEYOND:
-            moved = vector.copy()
-            moved[place] += away * tolerance
-            moved = np.clip(moved, low, high)
-            follow = np.linalg.lstsq(others, -problem.cost_vector(moved), rcond=None)[0]
-            moved = np.clip(moved + np.insert(follow, place, 0.0), low, high)
-            cost = float(np.sum(problem.cost_vector(moved) ** 2))
-            if cost < least:
-                least, best = cost, moved
-    return best
+    worst = max((rms([r]) for c, r in zip(cases, found.residuals, strict=True) if c.recorded))
+    if not model.ridges or worst < _WORTH_LOOKING:
+        return found
+    problem = begun_at(problems_of(model, cases, found.hypothesis)[0], found.shared, found.own)
+    problem.scale = found.scale
+    here = np.asarray(problem.begin) / problem.units
+
+    def beyond(move: tuple[int, float]) -> tuple[float, Array]:
+        place, away = move
+        moved, others = here.copy(), np.arange(len(here)) != place
+        moved[place] += away
+        moved = np.clip(moved, *problem.bounds)
+        left = problem.cost_vector(moved)
+        moved[others] += np.linalg.lstsq(found.sensitivity[:, others], -left, rcond=None)[0]
+        vector = _solve(replace(problem), moved, found.hypothesis, found)
+        return float(np.sum(problem.cost_vector(vector) ** 2)), vector
+
+    moves = [
+        (int(place), away * sigma / problem.units[place])
+        for place, sigma in zip(problem.tolerated, problem.sigma, strict=True)
+        if problem.keys[place] in model.ridges
+        for away in _BEYOND
+    ]
+    _, least = min(side_by_side(beyond, moves, jobs), key=lambda side: side[0])
+    again = _summary(
+        found.hypothesis, problem, _settled(problem, least, found.hypothesis, None), None
+    )
+    return again if explained(found, again) > 0.0 else found
 
 
 def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:

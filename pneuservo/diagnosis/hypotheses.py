@@ -121,8 +121,19 @@ class Hypotheses:
         """Return the fit of a hypothesis, fitted once."""
         if hypothesis not in self.fits:
             self.progress("fitting " + (" + ".join(hypothesis.members) or "the baseline"))
+            near = near or self._nearest(hypothesis)
             self.fits[hypothesis] = fit(self.model, self.cases, hypothesis, near)
         return self.fits[hypothesis]
+
+    def _nearest(self, hypothesis: Hypothesis) -> Fit | None:
+        """Return the fit of most of a hypothesis, for a model with steady sensitivities.
+
+        From scratch it might end on the other side of a ridge.
+        """
+        if not self.model.steady:
+            return None
+        parts = [found for tried, found in tuple(self.fits.items()) if tried.is_part_of(hypothesis)]
+        return max(parts, key=lambda found: len(found.hypothesis.members), default=None)
 
     def _fitted_with(
         self, base: Fit, promises: Mapping[str, float], reached: float = 0.0

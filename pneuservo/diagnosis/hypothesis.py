@@ -24,11 +24,9 @@ class Hypothesis:
             return Hypothesis(self.effects, self.loosened | {candidate.removeprefix("param.")})
         return Hypothesis(self.effects | {candidate}, self.loosened)
 
-    def without(self, candidate: str) -> "Hypothesis":
-        """Return this hypothesis less one."""
-        return Hypothesis(
-            self.effects - {candidate}, self.loosened - {candidate.removeprefix("param.")}
-        )
+    def is_part_of(self, other: "Hypothesis") -> bool:
+        """Return whether another hypothesis has all of this one."""
+        return self.effects <= other.effects and self.loosened <= other.loosened
 
     @property
     def members(self) -> tuple[str, ...]:

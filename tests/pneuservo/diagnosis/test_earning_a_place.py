@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pneuservo.diagnosis import hypotheses
+from pneuservo.diagnosis import search as search_module
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE, ByGain
@@ -167,6 +168,7 @@ def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, 
     promises = {"load.spring": spring / 2.9, "load.backlash": spring / 3.1}
     search, fitted = Search(SimpleNamespace(steady=True, effects=()), []), []
     search.fits[Hypothesis()] = current
+    monkeypatch.setattr(search_module, "promises_count", lambda base: True)
     monkeypatch.setattr(Search, "_judge", lambda self, fit: judge)
     monkeypatch.setattr(Search, "_compatible", lambda self, accepted: list(promises))
     monkeypatch.setattr(Search, "_promises", lambda self, base, names: promises)
@@ -175,6 +177,10 @@ def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, 
     )
     assert search._best_addition() is None
     assert fitted == ["load.spring"]
+    # Where few independent samples are left they promise nothing, whatever they hide.
+    monkeypatch.setattr(search_module, "promises_count", lambda base: False)
+    assert search._best_addition() is None
+    assert fitted[1:] == list(promises)
 
 
 def test_less_than_none_of_an_effect_promises_nothing():
