@@ -8,6 +8,7 @@ import numpy as np
 
 from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.judge import DECISIVE
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.noise import effective_samples
@@ -172,7 +173,7 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
     again = _summary(
         found.hypothesis, problem, _settled(problem, least, found.hypothesis, None), None
     )
-    return again if explained(found, again) > 0.0 else found
+    return again if explained(found, again) > DECISIVE else found
 
 
 def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
