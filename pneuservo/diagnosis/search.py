@@ -36,8 +36,8 @@ SUREST = 0.95
 with more in blind trials, 14 were of the right class.)"""
 MOST_EFFECTS = 3
 ALMOST = 0.5
-"""Share of the least that it has to explain from which the best candidate is carried to its end
-before it is judged. (A hysteresis promised 32, gained 31, and 56 at its end.)"""
+"""Share of the least that they have to explain from which the best candidates are carried to their
+ends before they are judged. (A hysteresis promised 32, gained 31, and 56 at its end.)"""
 
 
 @dataclass
@@ -365,9 +365,7 @@ class Search(Hypotheses):
         tried = self._best_fitted(current, promises, judge.barred)
         if not tried:
             return None
-        closest = max(tried, key=lambda name: explained(current, tried[name]))
-        if explained(current, tried[closest]) > ALMOST * judge.least(closest):
-            tried[closest] = self.ended(tried[closest].hypothesis)
+        tried = self._best_ended(current, tried, judge)
         effective = min(tried.values(), key=lambda f: f.rms).effective
         evidence = {name: f.evidence(effective) for name, f in tried.items()}
         drop = {name: current.evidence(effective) - value for name, value in evidence.items()}
@@ -384,6 +382,17 @@ class Search(Hypotheses):
             )
         )
         return name if name in earning else None
+
+    def _best_ended(self, current: Fit, tried: dict[str, Fit], judge: Judge) -> dict[str, Fit]:
+        """Return fits, those that may decide carried to their ends: the best and those like it."""
+        explains = {name: explained(current, closer) for name, closer in tried.items()}
+        best = max(explains.values())
+        return {
+            name: self.ended(closer.hypothesis)
+            if explains[name] > max(ALMOST * judge.least(name), (1.0 - SECOND_SHARE) * best)
+            else closer
+            for name, closer in tried.items()
+        }
 
     def alike(self, member: str) -> list[str]:
         """Return the effects that, in place of a member, explain nearly as much of the mismatch.
