@@ -240,10 +240,17 @@ def _as_read(search: Search, held_back: list[Case]) -> tuple[Search, list[Case]]
         return found
     try:
         other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
-        return found if other is None else _begun(search, other, held_back)
+        if other is None:
+            return found
+        again = _begun(search, other, held_back)
     except KeyboardInterrupt:
         first.interrupted = True
         return found
+    if again[0].interrupted and not again[0].accepted:
+        # What the first reading has shown is more than nothing.
+        first.interrupted = True
+        return found
+    return again
 
 
 def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Search, list[Case]]:
@@ -254,11 +261,15 @@ def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Sea
     cases, held, baseline = likeliest_followed(
         model, reading.cases, held, reading.baseline, search.progress
     )
-    fits = {}
+    begun = Search(model, cases, search.progress, search.seed, search.jobs)
     if baseline is not None:
-        closer = beyond_ridges(model, cases, baseline, search.jobs)
-        fits[closer.hypothesis] = closer
-    begun = Search(model, cases, search.progress, search.seed, search.jobs, fits)
+        begun.fits[baseline.hypothesis] = baseline
+        try:
+            closer = beyond_ridges(model, cases, baseline, search.jobs)
+        except KeyboardInterrupt:
+            begun.interrupted = True
+            return begun, held
+        begun.fits[closer.hypothesis] = closer
     begun.begin()
     return begun, held
 

@@ -318,7 +318,7 @@ def gained_most(before: Fit, after: Fit) -> float:
     float
         In the weights of the closer fit or in those of the noise alone; see `explained`.
     """
-    in_noise = after.in_weights(dict.fromkeys(after.scale, 1.0))
+    in_noise = replace(after, scale=dict.fromkeys(after.scale, 1.0))
     return max(explained(before, after), explained(before, after, in_noise))
 
 

@@ -169,7 +169,11 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
         if problem.keys[place] in model.ridges
         for away in _BEYOND
     ]
+    if not moves:
+        return found
     _, least = min(side_by_side(beyond, moves, jobs), key=lambda side: side[0])
+    # With the weights that are there it would count as settled before anything is solved.
+    problem.scale = {}
     again = _summary(
         found.hypothesis, problem, _settled(problem, least, found.hypothesis, None), None
     )

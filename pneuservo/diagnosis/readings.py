@@ -105,6 +105,8 @@ def likelier_with(
         )
         for reading in (first, *others)
     }
+    # It may have taken more than one fit to find it.
+    unlikely[first.place] = min(unlikely[first.place], _unlikely(model, first.cases, named))
     best = min((first, *others), key=lambda reading: unlikely[reading.place])
     return None if best is first else best
 

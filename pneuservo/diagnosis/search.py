@@ -110,7 +110,9 @@ class Search(Hypotheses):
         if self.interrupted:
             return
         with self._kept_when_interrupted():
-            self._add(MOST_EFFECTS)
+            # What was tried in vain would only be tried again.
+            if self.accepted or not self.ledger:
+                self._add(MOST_EFFECTS)
             self._drop_chance()
 
     @contextmanager
@@ -386,7 +388,9 @@ class Search(Hypotheses):
     def _best_ended(self, current: Fit, tried: dict[str, Fit], judge: Judge) -> dict[str, Fit]:
         """Return fits, those that may decide carried to their ends: the best and those like it."""
         explains = {name: explained(current, closer) for name, closer in tried.items()}
-        best = max(explains.values())
+        best = max(
+            (explains[name] for name in tried if not judge.barred(name, tried[name])), default=0.0
+        )
         return {
             name: self.ended(closer.hypothesis)
             if explains[name] > max(ALMOST * judge.least(name), (1.0 - SECOND_SHARE) * best)

@@ -184,7 +184,8 @@ def find_unexplained(
     Every table is simulated with every other knot, what the fitted parameters absorb is taken out,
     and those that promise most are simulated knot by knot and fitted: with one degree of freedom
     per knot, held against imitations of the recordings like any named effect. Only where something
-    is left beside the names, or there are many, a table may do better in their place.
+    is left beside the names, where there are many, or where they leave most of what is beyond
+    noise, a table may do better in their place.
     """
     baseline, chosen = (_of_channels(cases, fit) for fit in (baseline, chosen))
     beside = _best(model, cases, tables, chosen, copies, jobs)
@@ -194,7 +195,7 @@ def find_unexplained(
     named = explained(baseline, chosen)
     if beside is not None and beside.gain < WORTH_SAYING * (beside.gain + named):
         beside = None
-    if beside is not None or names >= MANY_NAMES or _hardly_closer(baseline, chosen):
+    if beside is not None or names >= MANY_NAMES or _hardly_closer(cases, baseline, chosen):
         instead = _best(model, cases, tables, baseline, copies, jobs)
         if instead is not None:
             by_names = explained(baseline, chosen, instead.fit)
@@ -203,9 +204,13 @@ def find_unexplained(
     return None if beside is None else replace(beside, named_gain=named)
 
 
-def _hardly_closer(baseline: Fit, chosen: Fit) -> bool:
+def _hardly_closer(cases: Sequence[Case], baseline: Fit, chosen: Fit) -> bool:
     """Return whether what is beyond noise is mostly still there; residuals count in noise."""
-    before, after = (max(fit.rms**2 - 1.0, 0.0) for fit in (baseline, chosen))
+    before, after = (
+        max(rms([r for r, case in zip(f.residuals, cases, strict=True) if case.recorded]) ** 2, 1.0)
+        - 1.0
+        for f in (baseline, chosen)
+    )
     return after > HARDLY_CLOSER * before and after > LEAST_LEFT
 
 

@@ -75,16 +75,6 @@ def test_an_effect_at_the_ends_of_all_its_ranges_is_another(frequency, is_itself
     assert judge._is_not_itself(mode.id, fit) is not is_itself
 
 
-@pytest.mark.parametrize(("coefficient", "is_itself"), [(0.1, False), (0.099, True)])
-def test_an_effect_as_large_as_its_range_allows_is_another(coefficient, is_itself):
-    force = effect_by_id("spool.flow-force", "single-axis")
-    (size,) = force.parameters
-    assert size.high == 0.1
-    fit = SimpleNamespace(shared={force.key(size.name): coefficient})
-    judge = ByGain(fit, fit, [force], lambda name, fit: 0.0)
-    assert judge._is_not_itself(force.id, fit) is not is_itself
-
-
 def leaves(energy, unknowns):
     """Return what stands for a fit that leaves this sum of squares."""
     return SimpleNamespace(
