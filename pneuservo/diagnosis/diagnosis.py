@@ -234,23 +234,21 @@ def _as_read(search: Search, held_back: list[Case]) -> tuple[Search, list[Case]]
     """
     model, progress = search.model, search.progress
     ranked = ranked_readings(model, model.readings(search.cases), progress)
-    found = _begun(search, ranked[0], held_back)
-    first = found[0]
+    first, held = _begun(search, ranked[0], held_back)
     if first.interrupted or not first.accepted:
-        return found
+        return first, held
     try:
         other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
         if other is None:
-            return found
-        again = _begun(search, other, held_back)
+            return first, held
+        second, held_otherwise = _begun(search, other, held_back)
+        if second.accepted or not second.interrupted:
+            return second, held_otherwise
     except KeyboardInterrupt:
-        first.interrupted = True
-        return found
-    if again[0].interrupted and not again[0].accepted:
-        # What the first reading has shown is more than nothing.
-        first.interrupted = True
-        return found
-    return again
+        pass
+    # What the first reading has shown is more than nothing.
+    first.interrupted = True
+    return first, held
 
 
 def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Search, list[Case]]:

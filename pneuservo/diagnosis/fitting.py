@@ -146,8 +146,10 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
     others follow as they would if they were linear, and the fit goes on from there with the
     sensitivities that it has: halfway to where it leaves less it may leave more.
     """
-    worst = max((rms([r]) for c, r in zip(cases, found.residuals, strict=True) if c.recorded))
-    if not model.ridges or worst < _WORTH_LOOKING:
+    if not model.ridges:
+        return found
+    worst = max(rms([r]) for c, r in zip(cases, found.residuals, strict=True) if c.recorded)
+    if worst < _WORTH_LOOKING:
         return found
     problem = begun_at(problems_of(model, cases, found.hypothesis)[0], found.shared, found.own)
     problem.scale = found.scale
@@ -172,11 +174,9 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
     if not moves:
         return found
     _, least = min(side_by_side(beyond, moves, jobs), key=lambda side: side[0])
-    # With the weights that are there it would count as settled before anything is solved.
-    problem.scale = {}
-    again = _summary(
-        found.hypothesis, problem, _settled(problem, least, found.hypothesis, None), None
-    )
+    # With weights of its own: by those that are there it might count as settled already.
+    begun = replace(problem, begin=least * problem.units, scale={})
+    again = _fitted_anew(begun, found.hypothesis)
     return again if explained(found, again) > DECISIVE else found
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from pneuservo.diagnosis.fit import Fit, explained, gained_most
 from pneuservo.diagnosis.fitting import fit, polished
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN
+from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN, SECOND_SHARE, Judge
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.pretence import Pretence
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promising
@@ -22,6 +22,9 @@ LEAST_KEPT = 0.5
 """Share of its promise that a fit has to keep: where it does not, the sensitivities that it took
 over from the fit before may have led it nowhere. (An elastic joint promised 83 and gained 7 with
 those, 88 with its own.)"""
+ALMOST = 0.5
+"""Share of the least that they have to explain from which the best candidates are carried to their
+ends before they are judged. (A hysteresis promised 32, gained 31, and 56 at its end.)"""
 
 
 @dataclass
@@ -200,3 +203,15 @@ class Hypotheses:
         near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > reached]
         found |= self._fitted_with(base, {n: promises[n] for n in near}, reached)
         return {name: found[name] for name in promises if name in found}
+
+    def _best_ended(self, base: Fit, tried: Mapping[str, Fit], judge: Judge) -> dict[str, Fit]:
+        """Return fits, those that may decide carried to their ends: the best and those like it."""
+        explains = {name: explained(base, closer) for name, closer in tried.items()}
+        may_be = [name for name, closer in tried.items() if not judge.barred(name, closer)]
+        near = (1.0 - SECOND_SHARE) * max((explains[name] for name in may_be), default=0.0)
+        return {
+            name: self.ended(closer.hypothesis)
+            if explains[name] > max(ALMOST * judge.least(name), near)
+            else closer
+            for name, closer in tried.items()
+        }

@@ -134,6 +134,6 @@ class _Profile:
 def _inverse(products: Array) -> Array:
     """Return the inverse of products of columns, each column counted in its own length."""
     lengths = np.sqrt(np.diag(products))
-    scale = np.where(lengths > 0.0, 1.0 / np.where(lengths > 0.0, lengths, 1.0), 0.0)
+    scale = np.divide(1.0, lengths, out=np.zeros_like(lengths), where=lengths > 0.0)
     scaled = np.linalg.pinv(products * np.outer(scale, scale), rcond=1e-14, hermitian=True)
     return np.asarray(scaled * np.outer(scale, scale))

@@ -112,8 +112,7 @@ def likelier_with(
 
 
 def _unlikely(model: Model, cases: Cases, found: Fit) -> float:
-    values = values_in_each(cases, cases[0], found.shared, found.own)
-    return model.unlikeliness(cases, values, forgiving=True)
+    return model.unlikeliness(cases, _values(cases, found), forgiving=True)
 
 
 def likeliest_followed(
@@ -146,7 +145,9 @@ def likeliest_followed(
         return list(cases), list(held_back), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
     fits = _fitted_in_turn(model, ways, baseline)
-    chosen = _likeliest_of_each(model, ways, _values(ways, fits))
+    chosen = _likeliest_of_each(
+        model, ways, [_values(*each) for each in zip(ways, fits, strict=True)]
+    )
     held_ways = model.followed(held_back)
     held_values = [
         values_in_each(way, cases[0], found.shared, [{}] * len(way))
@@ -165,11 +166,8 @@ def _fitted_in_turn(model: Model, ways: Sequence[Cases], first: Fit | None) -> l
     return [first, *(refitted(model, way, first) for way in ways[1:])]
 
 
-def _values(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:
-    return [
-        values_in_each(way, way[0], found.shared, found.own)
-        for way, found in zip(ways, fits, strict=True)
-    ]
+def _values(cases: Cases, found: Fit) -> list[dict[str, float]]:
+    return values_in_each(cases, cases[0], found.shared, found.own)
 
 
 def _likeliest_of_each(

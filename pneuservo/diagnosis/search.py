@@ -35,9 +35,6 @@ SUREST = 0.95
 """Largest probability that is claimed: the catalogue never holds everything. (Of 15 names stated
 with more in blind trials, 14 were of the right class.)"""
 MOST_EFFECTS = 3
-ALMOST = 0.5
-"""Share of the least that they have to explain from which the best candidates are carried to their
-ends before they are judged. (A hysteresis promised 32, gained 31, and 56 at its end.)"""
 
 
 @dataclass
@@ -384,19 +381,6 @@ class Search(Hypotheses):
             )
         )
         return name if name in earning else None
-
-    def _best_ended(self, current: Fit, tried: dict[str, Fit], judge: Judge) -> dict[str, Fit]:
-        """Return fits, those that may decide carried to their ends: the best and those like it."""
-        explains = {name: explained(current, closer) for name, closer in tried.items()}
-        best = max(
-            (explains[name] for name in tried if not judge.barred(name, tried[name])), default=0.0
-        )
-        return {
-            name: self.ended(closer.hypothesis)
-            if explains[name] > max(ALMOST * judge.least(name), (1.0 - SECOND_SHARE) * best)
-            else closer
-            for name, closer in tried.items()
-        }
 
     def alike(self, member: str) -> list[str]:
         """Return the effects that, in place of a member, explain nearly as much of the mismatch.

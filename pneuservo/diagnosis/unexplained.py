@@ -195,7 +195,7 @@ def find_unexplained(
     named = explained(baseline, chosen)
     if beside is not None and beside.gain < WORTH_SAYING * (beside.gain + named):
         beside = None
-    if beside is not None or names >= MANY_NAMES or _hardly_closer(cases, baseline, chosen):
+    if beside is not None or names >= MANY_NAMES or _hardly_closer(baseline, chosen):
         instead = _best(model, cases, tables, baseline, copies, jobs)
         if instead is not None:
             by_names = explained(baseline, chosen, instead.fit)
@@ -204,13 +204,9 @@ def find_unexplained(
     return None if beside is None else replace(beside, named_gain=named)
 
 
-def _hardly_closer(cases: Sequence[Case], baseline: Fit, chosen: Fit) -> bool:
+def _hardly_closer(baseline: Fit, chosen: Fit) -> bool:
     """Return whether what is beyond noise is mostly still there; residuals count in noise."""
-    before, after = (
-        max(rms([r for r, case in zip(f.residuals, cases, strict=True) if case.recorded]) ** 2, 1.0)
-        - 1.0
-        for f in (baseline, chosen)
-    )
+    before, after = (max(fit.rms**2 - 1.0, 0.0) for fit in (baseline, chosen))
     return after > HARDLY_CLOSER * before and after > LEAST_LEFT
 
 
@@ -224,7 +220,8 @@ def _of_channels(cases: Sequence[Case], fit: Fit) -> Fit:
     counts = [np.full(len(r), c.recorded) for c, r in zip(cases, residuals, strict=True)]
     sensitivity = fit.sensitivity.copy()
     sensitivity[: fit.samples][~np.concatenate(counts)] = 0.0
-    return replace(fit, residuals=tuple(residuals), sensitivity=sensitivity)
+    judged = rms([r for r, case in zip(residuals, cases, strict=True) if case.recorded])
+    return replace(fit, residuals=tuple(residuals), rms=judged, sensitivity=sensitivity)
 
 
 def _recorded(cases: Sequence[Case], residuals: Sequence[Array]) -> list[Array]:
