@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pneuservo.diagnosis.models.servo.command import held_command, running_command
 from pneuservo.diagnosis.models.servo.spool import arriving, move_spool
 from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
@@ -18,14 +19,14 @@ TIME = np.arange(0.0, 0.02, 1e-3)
 JUMP = 0.006
 
 
-def openings(effects, voltage, ramped=False):
+def openings(effects, command):
     """Return where the spool is at every sample."""
     servo = Servo(PLANT, NEUTRAL._replace(spool=effects), OPEN_LOOP)
     state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
     found = [0.0]
     for k in range(len(TIME) - 1):
         since, until = TIME[k], TIME[k + 1]
-        move_spool(state, memory, TIME, voltage, ramped, k, since, until, 0.0, servo)
+        move_spool(state, memory, TIME, command, k, since, until, 0.0, servo)
         found.append(state[SPOOL])
     return np.array(found)
 
@@ -44,10 +45,8 @@ def test_what_it_opens_is_known_before_and_after_its_null(start, until):
     servo = Servo(PLANT, NEUTRAL, OPEN_LOOP)
     state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
     state[SPOOL] = start
-    voltage = np.full_like(TIME, 4.0)
-    opened, crossed, before = move_spool(
-        state, memory, TIME, voltage, False, 0, 0.0, until, 0.0, servo
-    )
+    command = held_command(np.full_like(TIME, 4.0))
+    opened, crossed, before = move_spool(state, memory, TIME, command, 0, 0.0, until, 0.0, servo)
     time = np.linspace(0.0, until, 100_001)
     place = start + (4.0 / VALVE.full_voltage - start) * step_response(time)
     assert opened == pytest.approx(np.trapezoid(place, time), abs=1e-8)
@@ -63,7 +62,8 @@ def test_a_null_at_the_end_of_a_move_divides_nothing():
     servo = Servo(PLANT, NEUTRAL, OPEN_LOOP)
     state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
     state[SPOOL] = -1e-13
-    moved = move_spool(state, memory, TIME, np.ones_like(TIME), False, 0, 0.0, 1e-3, 0.0, servo)
+    command = held_command(np.ones_like(TIME))
+    moved = move_spool(state, memory, TIME, command, 0, 0.0, 1e-3, 0.0, servo)
     assert state[SPOOL] > 0.0
     assert moved[1] == np.inf
 
@@ -71,7 +71,7 @@ def test_a_null_at_the_end_of_a_move_divides_nothing():
 @pytest.mark.parametrize("delay", [0.0, 0.4e-3, 3.7e-3])
 def test_a_step_arrives_when_its_delay_has_passed(delay):
     voltage = np.where(TIME > JUMP - 1e-9, 2.0, 0.0)
-    found = openings(SpoolEffects(delay=delay), voltage)
+    found = openings(SpoolEffects(delay=delay), held_command(voltage))
     expected = 2.0 / VALVE.full_voltage * step_response(TIME - JUMP - delay)
     assert found == pytest.approx(expected, abs=1e-5)
 
@@ -79,7 +79,8 @@ def test_a_step_arrives_when_its_delay_has_passed(delay):
 def test_a_delayed_ramp_is_a_ramp_that_began_later():
     delay, slope = 1.3e-3, 100.0
     voltage = slope * TIME
-    found = openings(SpoolEffects(delay=delay), voltage, ramped=True)
+    running = running_command(TIME, voltage, VALVE.full_voltage, None)
+    found = openings(SpoolEffects(delay=delay), running)
     lag = 2.0 * VALVE.spool_damping / VALVE.spool_frequency
     settled = TIME > 0.012
     expected = slope / VALVE.full_voltage * (TIME - delay - lag)
@@ -87,20 +88,20 @@ def test_a_delayed_ramp_is_a_ramp_that_began_later():
 
 
 def test_before_the_first_sample_the_command_has_stood():
-    voltage = np.full(len(TIME), 3.0)
-    assert arriving(TIME, voltage, True, 0, -1.0) == (3.0, 0.0, 0.0)
-    assert openings(SpoolEffects(delay=5e-3), voltage)[1] > 0.1
+    command = held_command(np.full(len(TIME), 3.0))
+    assert arriving(TIME, command, 0, -1.0) == (3.0, 0.0, 0.0)
+    assert openings(SpoolEffects(delay=5e-3), command)[1] > 0.1
 
 
 def test_the_far_end_of_the_travel_holds_it():
-    found = openings(SpoolEffects(extending_stop_loss=0.3), np.full(len(TIME), 5.0))
+    found = openings(SpoolEffects(extending_stop_loss=0.3), held_command(np.full(len(TIME), 5.0)))
     assert found.max() == found[-1] == pytest.approx(0.7)
 
 
 def test_a_spool_with_dry_friction_rests_within_it():
     share = 0.02
     voltage = np.where(TIME > JUMP - 1e-9, 2.0, 0.0)
-    found = openings(SpoolEffects(stiction=share), voltage)
+    found = openings(SpoolEffects(stiction=share), held_command(voltage))
     assert found[-1] == found[-2]
     assert abs(found[-1] - 0.4) <= share
 
@@ -110,12 +111,12 @@ def test_hardly_reaching_the_end_is_hardly_more_than_all_but_reaching_it():
     overshoot = np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
     grazing = VALVE.full_voltage / (1.0 + overshoot)
     inside, beyond = (
-        openings(SpoolEffects(), np.full(len(TIME), level * grazing))
+        openings(SpoolEffects(), held_command(np.full(len(TIME), level * grazing)))
         for level in (1.0 - 1e-8, 1.0 + 1e-8)
     )
     # It rests there some microseconds: it comes back by so much later.
     assert np.abs(inside - beyond).max() < 1e-4
-    hit = openings(SpoolEffects(), np.full(len(TIME), 1.02 * grazing))
+    hit = openings(SpoolEffects(), held_command(np.full(len(TIME), 1.02 * grazing)))
     free = 1.02 * grazing / VALVE.full_voltage * step_response(TIME)
     assert free.max() > 1.0 >= hit.max()
     assert np.abs(hit - free).max() > 1e-3

@@ -8,7 +8,7 @@ from servo_recordings import NOISE, recorded
 
 from pneuservo.controllers import DigitalSlidingMode, Proportional
 from pneuservo.diagnosis.models.servo.estimate import with_observer
-from pneuservo.diagnosis.models.servo.feed import feed, held_command
+from pneuservo.diagnosis.models.servo.feed import feed, with_held_command
 from pneuservo.diagnosis.models.servo.run_observer import run_observer
 from pneuservo.diagnosis.models.servo.steps import dividing, steps_along, steps_beside
 from pneuservo.effects import effect_by_id
@@ -30,7 +30,7 @@ def rig():
 )
 def fed(request, rig):
     controller, most = request.param
-    found = with_observer(held_command(feed(recorded(rig, controller, 3), rig), rig), rig)
+    found = with_observer(with_held_command(feed(recorded(rig, controller, 3), rig), rig), rig)
     assert found.steps.mean() <= most
     return found
 

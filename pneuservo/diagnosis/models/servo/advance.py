@@ -46,8 +46,7 @@ def advance(
     after,
     free,
     time,
-    voltage,
-    ramped,
+    command,
     k,
     steps,
     modes,
@@ -69,7 +68,7 @@ def advance(
     free : bool
         Whether the piston gives way to the load behind a joint: the acceleration is then what it
         would be if the joint's force stayed as it is.
-    time, voltage, ramped
+    time, command
         As in `pneuservo.diagnosis.models.servo.spool.arriving`.
     k : int
         The sample at which the interval begins.
@@ -97,8 +96,7 @@ def advance(
             j * step,
             step,
             time,
-            voltage,
-            ramped,
+            command,
             k,
             memory,
             rows,
@@ -135,8 +133,7 @@ def _step(
     elapsed,
     step,
     time,
-    voltage,
-    ramped,
+    command,
     k,
     memory,
     rows,
@@ -152,7 +149,7 @@ def _step(
     since, began = time[k] + elapsed, state[SPOOL]
     felt = pressure_share(state, drive, elapsed, servo)
     opened, crossed, opened_before = move_spool(
-        state, memory, time, voltage, ramped, k, since, since + step, felt, servo
+        state, memory, time, command, k, since, since + step, felt, servo
     )
     ended, interval = state[SPOOL], time[k + 1] - time[k]
     crosses = crossed < math.inf

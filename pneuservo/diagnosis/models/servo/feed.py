@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
+from pneuservo.diagnosis.models.servo.command import held_command, running_command
 from pneuservo.diagnosis.models.servo.motion import averaged_samples, smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import (
@@ -40,6 +41,10 @@ CREEPING = 3e-4
 """A piston that creeps faster than this slides [m/s]."""
 SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
+FINEST = 1e-4
+"""No transducer is taken to be better than this, as a share of stroke and supply pressure, unless
+its noise is stated: in recordings without any noise, what is made of a command between its samples
+and of a motion that is smoothed was explained by delays."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
@@ -52,8 +57,8 @@ class Feed:
     ----------
     time, voltage : (n,) array
         [s], [V].
-    ramped : bool
-        Whether the command runs straight between samples instead of being held.
+    command : (n, m + 1) array
+        The voltage between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
     reading : (n,) array
         Displacement as measured; NaN where there is none [m].
     motion : (3, n) array
@@ -103,7 +108,7 @@ class Feed:
 
     time: Array
     voltage: Array
-    ramped: bool
+    command: Array
     reading: Array
     motion: Array
     pressures: Array
@@ -127,6 +132,11 @@ class Feed:
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     steps: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
+
+    @property
+    def ramped(self) -> bool:
+        """Return whether the command runs on between samples instead of being held."""
+        return bool(np.any(self.command[:, 0] != self.command[:, -1]))
 
     @cached_property
     def interval(self) -> float:
@@ -162,7 +172,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     """
     time, interval = recording.time, recording.sampling_interval
     noise = {
-        channel: recording.noise_rms.get(channel) or noise_floor(recording[channel], time)
+        channel: recording.noise_rms.get(channel) or _noise(recording, channel, rig)
         for channel in CHANNELS
         if channel in recording
     }
@@ -174,7 +184,9 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     fed = Feed(
         time=time,
         voltage=voltage,
-        ramped=True,
+        command=running_command(
+            time, voltage, rig["valve.full_voltage"], recording.channels.get("demand")
+        ),
         reading=recording["displacement"],
         motion=np.zeros((3, len(time))),
         pressures=pressures,
@@ -195,6 +207,12 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         spread_of_force=spread_of_force,
     )
     return moved_by(fed, rig, spread_of_force if all(fed.measured) else None)
+
+
+def _noise(recording: Recording, channel: str, rig: Rig) -> float:
+    """Return the noise of a channel of which nothing is stated [SI]."""
+    largest = rig["piston.stroke"] if channel == "displacement" else rig["supply.pressure"]
+    return max(noise_floor(recording[channel], recording.time), FINEST * largest)
 
 
 def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
@@ -330,15 +348,15 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     return replace(freed, spread=_spread(freed, rig))
 
 
-def held_command(fed: Feed, rig: Rig) -> Feed:
+def with_held_command(fed: Feed, rig: Rig) -> Feed:
     """Return the feed with a command that is held from sample to sample.
 
     Parameters
     ----------
     fed : Feed
-        With a command that runs straight between samples.
+        With a command that runs on between samples.
     rig : Rig
         The rig it was taken on.
     """
-    held = replace(fed, ramped=False, done=Recent())
+    held = replace(fed, command=held_command(fed.voltage), done=Recent())
     return replace(held, spread=_spread(held, rig))

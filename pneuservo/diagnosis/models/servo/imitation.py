@@ -7,6 +7,7 @@ import numpy as np
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
+from pneuservo.diagnosis.models.servo.command import held_command
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
@@ -90,6 +91,7 @@ def imitated(
     return replace(
         fed,
         voltage=copy.voltage,
+        command=copy.command if fed.ramped else held_command(copy.voltage),
         reading=copy.reading,
         motion=motion,
         pressures=copy.pressures,

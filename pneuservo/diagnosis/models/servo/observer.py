@@ -50,8 +50,7 @@ from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FRE
 @compiled
 def observe(
     time,
-    voltage,
-    ramped,
+    command,
     readings,
     motion,
     true,
@@ -80,10 +79,8 @@ def observe(
     ----------
     time : (n,) array
         [s].
-    voltage : (n,) array
-        Into the valve driver [V].
-    ramped : bool
-        Whether it runs straight between samples instead of being held.
+    command : (n, m + 1) array
+        Into the valve driver, as in `pneuservo.diagnosis.models.servo.spool.arriving` [V].
     readings : (3, n) array
         Both pressures, the errors of the transducers undone, and the displacement as measured;
         NaN where there is none, SI.
@@ -165,7 +162,7 @@ def observe(
     modes[SPOOL_LIMIT] = SPOOL_FREE
     memory, rows = np.zeros(MEMORY), np.zeros((PAST_ROWS, PAST_COLUMNS))
     drive, work = np.zeros((2, INPUTS)), np.zeros((3, len(state)))
-    drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = voltage[0], supply[0], time[0]
+    drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = command[0, 0], supply[0], time[0]
     begin(state, modes, memory, rows, drive, servo, grid)
     nominal, servo = servo, drifted(servo, time[0])
     plant, effects = servo.plant, servo.effects
@@ -220,8 +217,7 @@ def observe(
             after,
             free,
             time,
-            voltage,
-            ramped,
+            command,
             k,
             steps[k],
             modes,

@@ -227,8 +227,7 @@ def _observe(
         steps = steps_beside(fed.steps, fed.time, fields)
     found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
-        fed.voltage,
-        fed.ramped,
+        fed.command,
         np.vstack([np.where(there, pressures, np.nan), fed.reading]),
         fed.motion,
         motion,

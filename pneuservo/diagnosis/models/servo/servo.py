@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models.servo.feed import (
     Feed,
     feed,
     held_at_stops,
-    held_command,
+    with_held_command,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
@@ -314,7 +314,7 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
 
 def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
     fed = feed(recording, rig)
-    return with_observer(fed if ramped else held_command(fed, rig), rig)
+    return with_observer(fed if ramped else with_held_command(fed, rig), rig)
 
 
 def _unlikeliness(fed: Feed, values: Values, rig: Rig, forgiving: bool) -> float:

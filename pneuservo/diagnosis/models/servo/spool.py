@@ -20,15 +20,16 @@ _SAME_MOMENT = 1e-9
 
 
 @compiled
-def arriving(time, voltage, ramped, latest, moment):
+def arriving(time, command, latest, moment):
     """Return the command at a moment, how fast it rises, and until when it goes on so.
 
     Parameters
     ----------
-    time, voltage : (n,) array
-        [s], [V].
-    ramped : bool
-        Whether the command runs straight between samples instead of being held.
+    time : (n,) array
+        Of the samples [s].
+    command : (n, m + 1) array
+        Of each sampling interval at the ends of its m equal parts, see
+        `pneuservo.diagnosis.models.servo.command` [V].
     latest : int
         A sample; the moment is before the next one.
     moment : float
@@ -42,23 +43,27 @@ def arriving(time, voltage, ramped, latest, moment):
     Examples
     --------
     >>> import numpy as np
-    >>> time, voltage = np.array([0.0, 0.5, 1.0]), np.array([1.0, 3.0, 2.0])
-    >>> arriving(time, voltage, False, 1, 0.25), arriving(time, voltage, True, 1, 0.25)
+    >>> time = np.array([0.0, 0.5, 1.0])
+    >>> held, runs = np.array([[1.0, 1.0], [3.0, 3.0]]), np.array([[1.0, 3.0], [3.0, 2.0]])
+    >>> arriving(time, held, 1, 0.25), arriving(time, runs, 1, 0.25)
     ((1.0, 0.0, 0.5), (2.0, 4.0, 0.5))
     """
     k = latest
     while k >= 0 and time[k] > moment + _SAME_MOMENT:
         k -= 1
     if k < 0:
-        return voltage[0], 0.0, time[0]
-    if not ramped:
-        return voltage[k], 0.0, time[k + 1]
-    rising = (voltage[k + 1] - voltage[k]) / (time[k + 1] - time[k])
-    return voltage[k] + rising * (moment - time[k]), rising, time[k + 1]
+        return command[0, 0], 0.0, time[0]
+    parts = command.shape[1] - 1
+    length = (time[k + 1] - time[k]) / parts
+    part = min(int((moment - time[k] + _SAME_MOMENT) / length), parts - 1)
+    began = time[k] + part * length
+    until = time[k + 1] if part == parts - 1 else began + length
+    rising = (command[k, part + 1] - command[k, part]) / length
+    return command[k, part] + rising * (moment - began), rising, until
 
 
 @compiled_apart
-def move_spool(state, memory, time, voltage, ramped, latest, since, until, share, servo):
+def move_spool(state, memory, time, command, latest, since, until, share, servo):
     """Move the spool from one moment of a sampling interval to another.
 
     Parameters
@@ -66,7 +71,7 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
     state, memory, servo
         As in `pneuservo.plant.servo.chain.derivative`; of the first two, what is the spool's is
         written.
-    time, voltage, ramped
+    time, command
         As in `arriving`.
     latest : int
         The sample at which the interval begins.
@@ -95,7 +100,7 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
     switching = effects.acceleration_limit + effects.rate_limit + effects.stiction
     now = since
     while now < until - _SAME_MOMENT:
-        command, rising, goes_on = arriving(time, voltage, ramped, latest, now - effects.delay)
+        voltage, rising, goes_on = arriving(time, command, latest, now - effects.delay)
         end = min(until, goes_on + effects.delay)
         reach = abs(state[SPOOL]) + STEP * abs(state[SPOOL_RATE]) + _NEAR_END
         fine = switching > 0.0 or reach > travel_end(state[SPOOL], effects)
@@ -103,16 +108,16 @@ def move_spool(state, memory, time, voltage, ramped, latest, since, until, share
         step = (end - now) / steps
         for _ in range(steps):
             place = state[SPOOL]
-            more = _step(state, memory, command, rising, step, share, servo)
+            more = _step(state, memory, voltage, rising, step, share, servo)
             if crossed == math.inf and place * state[SPOOL] < 0.0:
                 part = place / (place - state[SPOOL])
                 crossed = now + part * step - since
                 opened_before = opened + 0.5 * part * step * place
             opened += more
-            command += step * rising
+            voltage += step * rising
             now += step
             if remembers(effects):
-                remember_spool(command, now, state, memory, step, servo)
+                remember_spool(voltage, now, state, memory, step, servo)
         now = end
     if (
         began * state[SPOOL] >= 0.0
