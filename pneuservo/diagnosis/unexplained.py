@@ -303,7 +303,7 @@ def _fitted(
     if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
         return None
     values = table.step * steps
-    if float(np.std(values)) <= table.least:
+    if float(np.std(values)) <= table.least or float(np.max(np.abs(values))) > table.largest:
         return None
     rest, plain = _rows(weighed, columns)
     # Of the shape alone: what all knots have in common the parameters may take up.

@@ -69,6 +69,8 @@ class Table:
         A small value.
     least : float
         Spread of the values below which they are nothing.
+    largest : float
+        Size of a value beyond which it is impossible.
     least_gain : float
         Drop of the weighted sum of squares that it has to bring: more than an effect, for it has
         more freedom.
@@ -86,6 +88,7 @@ class Table:
     knots: tuple[str, ...]
     step: float
     least: float
+    largest: float
     least_gain: float
 
 

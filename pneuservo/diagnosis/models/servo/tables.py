@@ -90,6 +90,7 @@ def _table(
         knots,
         size.starts[0],
         least,
+        size.high,
         _LEAST_GAIN_OVER_TIME if quantity == "time" else _LEAST_GAIN,
     )
 
