@@ -13,7 +13,13 @@ from pneuservo.diagnosis.unexplained import Unexplained, smoothed
 from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
 
 # For people: a scale, the unit to print, and what is subtracted first.
-_DISPLAY = {"Pa": (1e-5, "bar"), "N": (1.0, "N"), "V": (1e3, "mV"), "m": (1e3, "mm")}
+_DISPLAY = {
+    "Pa": (1e-5, "bar"),
+    "N": (1.0, "N"),
+    "V": (1e3, "mV"),
+    "m": (1e3, "mm"),
+    "": (100.0, "%"),
+}
 _FITS = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
 _CLOSE = 5.0
 """Residuals within this factor of the noise are drawn on a linear axis."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.command import held_command, running_command
+from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
 from pneuservo.diagnosis.models.servo.motion import averaged_samples, smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import (
@@ -29,7 +29,7 @@ AT_REST = "friction at rest"
 """What is judged beside the channels while friction holds the piston."""
 FOLLOWED = (*PRESSURES, "displacement")
 """Channels that the observer follows, in its order."""
-CHANNELS = (*FOLLOWED, "supply_pressure")
+CHANNELS = (*FOLLOWED, "supply_pressure", "spool")
 """Judged channels."""
 STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
@@ -42,9 +42,9 @@ CREEPING = 3e-4
 SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
 FINEST = 1e-4
-"""No transducer is taken to be better than this, as a share of stroke and supply pressure, unless
-its noise is stated: in recordings without any noise, what is made of a command between its samples
-and of a motion that is smoothed was explained by delays."""
+"""No transducer is taken to be better than this, as a share of stroke, supply pressure and full
+opening, unless its noise is stated: in recordings without any noise, what is made of a command
+between its samples and of a motion that is smoothed was explained by delays."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
@@ -59,6 +59,8 @@ class Feed:
         [s], [V].
     command : (n, m + 1) array
         The voltage between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
+    unseen : (n,) array
+        By how much that may be off in each interval [V].
     reading : (n,) array
         Displacement as measured; NaN where there is none [m].
     motion : (3, n) array
@@ -73,6 +75,8 @@ class Feed:
         Measured supply pressure, smoothed [Pa].
     supply_reading : (n,) array
         The same as measured; empty where it was not [Pa].
+    spool_reading : (n,) array
+        Spool position as measured; empty where it was not [-].
     force : (n,) array
         At the rod [N].
     held : (n,) array of bool
@@ -109,6 +113,7 @@ class Feed:
     time: Array
     voltage: Array
     command: Array
+    unseen: Array
     reading: Array
     motion: Array
     pressures: Array
@@ -116,6 +121,7 @@ class Feed:
     pressure_rates: Array
     supply: Array | None
     supply_reading: Array
+    spool_reading: Array
     force: Array
     held: NDArray[np.bool_]
     reversal: float
@@ -177,6 +183,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         if channel in recording
     }
     voltage = _closed(recording["valve_voltage"], time)
+    demand = recording.channels.get("demand")
     force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
     pressures = _pressures(recording, rig, float(force[0]))
     loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
@@ -184,9 +191,8 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     fed = Feed(
         time=time,
         voltage=voltage,
-        command=running_command(
-            time, voltage, rig["valve.full_voltage"], recording.channels.get("demand")
-        ),
+        command=running_command(time, voltage, rig["valve.full_voltage"], demand),
+        unseen=unseen(voltage, demand),
         reading=recording["displacement"],
         motion=np.zeros((3, len(time))),
         pressures=pressures,
@@ -194,6 +200,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
         supply=_supply(recording, interval),
         supply_reading=recording.channels.get("supply_pressure", np.empty(0)),
+        spool_reading=recording.channels.get("spool", np.empty(0)),
         force=force,
         held=np.zeros(len(time), dtype=bool),
         reversal=SLOWEST_MOTION,
@@ -211,7 +218,9 @@ def feed(recording: Recording, rig: Rig) -> Feed:
 
 def _noise(recording: Recording, channel: str, rig: Rig) -> float:
     """Return the noise of a channel of which nothing is stated [SI]."""
-    largest = rig["piston.stroke"] if channel == "displacement" else rig["supply.pressure"]
+    largest = {"displacement": rig["piston.stroke"], "spool": 1.0}.get(
+        channel, rig["supply.pressure"]
+    )
     return max(noise_floor(recording[channel], recording.time), FINEST * largest)
 
 
@@ -293,8 +302,7 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
 def _spread(fed: Feed, rig: Rig) -> Array:
     return spread_of_pressures(
         fed.time,
-        fed.voltage,
-        fed.ramped,
+        fed.unseen,
         fed.striking,
         fed.held,
         fed.noise,
@@ -358,5 +366,7 @@ def with_held_command(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The rig it was taken on.
     """
-    held = replace(fed, command=held_command(fed.voltage), done=Recent())
+    held = replace(
+        fed, command=held_command(fed.voltage), unseen=np.zeros_like(fed.time), done=Recent()
+    )
     return replace(held, spread=_spread(held, rig))

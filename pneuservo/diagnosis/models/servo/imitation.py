@@ -9,7 +9,7 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.command import held_command
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
-from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed, feed
+from pneuservo.diagnosis.models.servo.feed import Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
 from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
@@ -83,7 +83,8 @@ def imitated(
     channels = {"valve_voltage": _as_sampled(fed.ramped, run, law.gain * law.weight_displacement)}
     for name in fed.noise:
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
-        channels[name] = (run[name] if name in FOLLOWED else source) + fed.noise[name] * noise
+        true = source if name == "supply_pressure" else run[name]
+        channels[name] = true + fed.noise[name] * noise
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
     copy = with_pressures(replace(copy, supply=fed.supply, force=fed.force), rig)
     motion = copy.motion.copy()
@@ -97,6 +98,7 @@ def imitated(
         pressures=copy.pressures,
         pressure_rates=copy.pressure_rates,
         supply_reading=copy.supply_reading,
+        spool_reading=copy.spool_reading,
         # It comes to rest at times of its own.
         stuck=copy.stuck & fed.stuck,
         done=Recent(),

@@ -12,8 +12,17 @@ Array = NDArray[np.float64]
 FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2]; the one that
 makes the recorded displacement likeliest is taken."""
-CREEP = (1e-6, 1e-5)
-"""A piston at rest glides to a stop or creeps at these speeds [m/s]; again the likeliest."""
+RESTS = (
+    (GLIDING, 5e-3),
+    (1e-6, 5e-3),
+    (1e-5, 5e-3),
+    (1e-5, 0.02),
+    (1e-5, 0.035),
+    (1e-5, 0.06),
+    (1e-5, 0.12),
+)
+"""A piston at rest glides to a stop, or creeps at such a speed [m/s] while that at which it came
+fades within such a time [s], as loops bring it to a set point; again the likeliest."""
 REST_TIME = 0.1
 """Time over which it has to look at rest [s] ..."""
 REST_FORCE = 5.0
@@ -64,7 +73,7 @@ def smooth_motion(
     gravity and a wrong mass. The pressures carry the fast part of the acceleration, so that no
     cut-off has to be chosen. While the piston sticks they do not move it, and what their noise
     makes of its velocity would go on into the chambers: where it makes the readings likelier they
-    are left out, and it comes to rest slowly or creeps. The wandering zero is part of the
+    are left out, and it comes to rest slowly, or creeps. The wandering zero is part of the
     displacement, not of the velocity: a piston at rest does not follow it.
     """
     known = np.zeros_like(time) if driving is None else driving
@@ -73,28 +82,33 @@ def smooth_motion(
     nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
 
     def passed(
-        rest: NDArray[np.bool_], change: float, creep: float, back: bool = False
+        rest: NDArray[np.bool_],
+        change: float,
+        way: tuple[float, float] = RESTS[0],
+        back: bool = False,
     ) -> tuple[Array, Array, Array]:
         found: tuple[Array, Array, Array] = smooth(
-            time, measured, variance, known, driving_rms**2, change, rest, creep, friction, back
+            time, measured, variance, known, driving_rms**2, change, rest, *way, friction, back
         )
         return found
 
-    def likelihood(rest: NDArray[np.bool_], change: float, creep: float) -> float:
-        return float(np.sum(passed(rest, change, creep)[2]))
+    def likelihood(
+        rest: NDArray[np.bool_], change: float, way: tuple[float, float] = RESTS[0]
+    ) -> float:
+        return float(np.sum(passed(rest, change, way)[2]))
 
-    change = max(FORCE_CHANGES, key=lambda change: likelihood(nowhere, change, GLIDING))
-    states, variances, likely = passed(nowhere, change, GLIDING, back=True)
+    change = max(FORCE_CHANGES, key=lambda change: likelihood(nowhere, change))
+    states, variances, likely = passed(nowhere, change, back=True)
     # A moving piston's velocity is as well known as it is on the whole.
     typical = float(np.median(variances))
-    likely_at_rest = passed(everywhere, change, GLIDING)[2]
+    likely_at_rest = passed(everywhere, change)[2]
     interval = float(np.median(np.diff(time)))
     most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(averaged_samples(interval))
     rest = _at_rest(likely_at_rest - likely, interval)
     rest[_swing(known, interval) > most] = False
     if rest.any():
-        creep = max((GLIDING, *CREEP), key=lambda creep: likelihood(rest, change, creep))
-        states, variances, _ = passed(rest, change, creep, back=True)
+        way = max(RESTS, key=lambda way: likelihood(rest, change, way))
+        states, variances, _ = passed(rest, change, way, back=True)
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
     velocity_rms = np.sqrt(np.where(rest, np.clip(variances, 0.0, typical), typical))
     return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms, rest

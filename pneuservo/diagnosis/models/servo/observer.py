@@ -132,8 +132,8 @@ def observe(
     left : (3, n) array
         Innovations, each counted in the spread that it was expected to have, SI; infinite from
         where the servo runs away.
-    path : (2, n) array
-        Both pressures as followed [Pa].
+    path : (3, n) array
+        Both pressures as followed [Pa], and the spool's opening [-].
     known : (n,) array
         Standard deviation of the force that they give; zeros unless learning [N].
     drawn : (n,) array
@@ -154,7 +154,7 @@ def observe(
     stop, whose place tells it: left out, they pretend more of slow effects than real ones show.
     """
     n = time.shape[0]
-    left, path, known, drawn = np.zeros((3, n)), np.zeros((2, n)), np.zeros(n), np.zeros(n)
+    left, path, known, drawn = np.zeros((3, n)), np.zeros((3, n)), np.zeros(n), np.zeros(n)
     decays = np.zeros(n)
     at_rest, rested = np.zeros((2, n)), 0.0
     state = initial_state.copy()
@@ -176,7 +176,7 @@ def observe(
     zeros = np.zeros(3)
     covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)
-    path[0, 0], path[1, 0] = state[PRESSURE_A], state[PRESSURE_B]
+    path[0, 0], path[1, 0], path[2, 0] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
     error = np.zeros(3)
     for k in range(n - 1):
         interval = time[k + 1] - time[k]
@@ -304,6 +304,7 @@ def observe(
         given -= piston.viscous_friction * moved[SPEED] / slope
         last = now + given / mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
+        path[2, k + 1] = state[SPOOL]
         rested = rested + interval if held[k + 1] else 0.0
         if stuck[k + 1]:
             followed_a, followed_b = state[PRESSURE_A], state[PRESSURE_B]

@@ -5,6 +5,11 @@ import numpy as np
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
+from pneuservo.diagnosis.models.servo.measured_spool import (
+    SPOOL_GAIN,
+    SPOOL_ZERO,
+    beyond_expected,
+)
 from pneuservo.diagnosis.models.servo.motion import averaged
 from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.diagnosis.models.servo.steps import FINEST, dividing, steps_beside
@@ -104,9 +109,9 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
 
     Returns
     -------
-    (5, n) array
-        Both pressures, displacement and supply as the transducers read them, SI; zeros where
-        nothing was measured. The last row is the force beyond what friction can hold while it
+    (6, n) array
+        Both pressures, displacement, supply and spool as the transducers read them, SI; zeros
+        where nothing was measured. The last row is the force beyond what friction can hold while it
         holds the piston, in how well that force is known. Nothing is more than `ASTRAY`.
 
     Notes
@@ -115,7 +120,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     own channel alone.
     """
     known = numbers(values, rig)
-    left, _, _, drawn, at_rest, _ = _observe(
+    left, path, _, drawn, at_rest, _ = _observe(
         fed, values, known, rig, fed.gains, fed.shares, learning=False
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
@@ -124,11 +129,15 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
         beyond = beyond_wander(fed.time, fed.supply_reading - expected)
+    spool = np.zeros_like(fed.time)
+    if len(fed.spool_reading):
+        zero, gain = values.get(SPOOL_ZERO, 0.0), values.get(SPOOL_GAIN, 1.0)
+        spool = beyond_expected(fed, path[2], zero, gain, known[0].valve)
     force, holding = at_rest
     spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
     excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)
     slipping = np.clip(excess / spread, -ASTRAY, ASTRAY)
-    return np.vstack([left, beyond, np.nan_to_num(slipping, nan=ASTRAY)])
+    return np.vstack([left, beyond, spool, np.nan_to_num(slipping, nan=ASTRAY)])
 
 
 def forces_at_rest(fed: Feed, values: Values, rig: Rig) -> Array:
@@ -186,8 +195,8 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, A
         What each error of expectation corrects, see `observe`.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
-    pressures : (2, n) array
-        As followed [Pa].
+    path : (3, n) array
+        As in `observe`.
     force_rms : (n,) array
         How well they tell the force on the piston [N].
     decays : (n,) array

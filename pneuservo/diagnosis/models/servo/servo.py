@@ -21,6 +21,13 @@ from pneuservo.diagnosis.models.servo.feed import (
     with_held_command,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
+from pneuservo.diagnosis.models.servo.measured_spool import (
+    GAIN_SPREAD,
+    SPOOL_GAIN,
+    SPOOL_ZERO,
+    ZERO_SPREAD,
+    shares_of_spool,
+)
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import (
     REVERSAL,
@@ -35,6 +42,7 @@ from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
+from pneuservo.plant.from_rig import single_axis
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
@@ -43,6 +51,7 @@ _JUDGED = (
     ("pressure_a", "Pa"),
     ("pressure_b", "Pa"),
     ("supply_pressure", "Pa"),
+    ("spool", ""),
 )
 _FEWEST = 50
 """Samples below which a channel is not judged: a piston that rests all the time tells nothing."""
@@ -221,8 +230,8 @@ class ServoModel(Model):
 
         The force that the drifting zeros of the pressure transducers pretend, as large as their
         noise, and the speed over which friction turns round: the velocity is smoothed, and real
-        friction gives way by some micrometres before it slips; and the pressure of a source that
-        was measured. What a filter starts from is forgotten.
+        friction gives way by some micrometres before it slips; the pressure of a source that was
+        measured; and zero and gain of a spool's transducer. What a filter starts from is forgotten.
         """
         fed: Feed = case.inputs["feed"]
         found: list[Unknown] = []
@@ -234,6 +243,9 @@ class ServoModel(Model):
         if case.inputs["leads"] and fed.supply is not None:
             level = float(np.mean(fed.supply))
             found.append(Unknown(SUPPLY_LEVEL, level, 0.5 * level, 2.0 * level, None, "Pa"))
+        if case.inputs["leads"] and len(fed.spool_reading):
+            found.append(Unknown(SPOOL_ZERO, 0.0, -np.inf, np.inf, ZERO_SPREAD))
+            found.append(Unknown(SPOOL_GAIN, 1.0, 0.0, np.inf, GAIN_SPREAD))
         return found
 
     def predict(self, case: Case, values: Values) -> Array:
@@ -274,6 +286,8 @@ class ServoModel(Model):
                 reading = copy.pressures[PRESSURES.index(case.channel)]
             elif case.channel == "supply_pressure":
                 reading = copy.supply_reading
+            elif case.channel == "spool":
+                reading = copy.spool_reading
             elif case.channel == AT_REST:
                 reading = case.measured
             found.append(
@@ -295,7 +309,8 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
     for _ in range(_HUM_PASSES):
         noise = fed.noise_of(CHANNELS)
         left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
-        shares = np.vstack([fed.shares.T, np.ones_like(fed.time)])
+        shares = np.ones((len(CHANNELS), len(fed.time)))
+        shares[: len(FOLLOWED)] = fed.shares.T
         # While the piston sticks it is not judged, but there hum shows best.
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
         left[_PLACE, fed.held] = smoothed_out[fed.held]
@@ -320,10 +335,14 @@ def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
 def _unlikeliness(fed: Feed, values: Values, rig: Rig, forgiving: bool) -> float:
     """Return twice the negative log-likelihood of the innovations, but for a constant."""
     calm = _calm(fed.voltage) if forgiving else np.zeros(len(fed.time), dtype=bool)
-    noise = fed.noise_of(FOLLOWED)[:, np.newaxis]
-    square = (_innovations(fed, values, rig)[: len(FOLLOWED)] / noise) ** 2
+    noise = fed.noise_of(CHANNELS)[:, np.newaxis]
+    square = (_innovations(fed, values, rig)[: len(CHANNELS)] / noise) ** 2
+    seen_as = dict(zip(FOLLOWED, fed.shares.T, strict=True))
+    if len(fed.spool_reading):
+        seen_as["spool"] = shares_of_spool(fed, single_axis(rig).valve)
     total = 0.0
-    for squares, shares in zip(square, fed.shares.T, strict=True):
+    for channel, shares in seen_as.items():
+        squares = square[CHANNELS.index(channel)]
         seen, level = shares > 0.0, 1.0
         if np.any(seen & calm):
             level = max(1.0, float(np.median(squares[seen & calm])) / _MEDIAN)

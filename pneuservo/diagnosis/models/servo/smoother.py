@@ -11,19 +11,17 @@ FORCE_CHANGE_TIME = 5e-3
 """Within this time the force on a moving piston jumps [s]."""
 REST_CHANGE = 0.02
 """By so much it may while the piston comes to rest, whatever the pressures do [m/s^2]."""
-CREEP_TIME = 5e-3
-"""For this time a piston creeps one way [s]."""
 GLIDING = 0.0
 """Speed of creep that stands for a piston that comes to rest."""
 
 
 @compiled
-def _transition(interval, creeps):
+def _transition(interval, creeps, fades):
     """Return how displacement, velocity, acceleration and the transducer's zero go on."""
     step = np.eye(4)
     step[0, 1] = interval
     if creeps:
-        step[1, 1] = math.exp(-interval / CREEP_TIME)
+        step[1, 1] = math.exp(-interval / fades)
         step[2, 2] = 0.0
     else:
         step[0, 2] = 0.5 * interval**2
@@ -55,7 +53,7 @@ def _spread_out(spread, interval, driving_variance, change):
 
 @compiled
 def smooth(
-    time, measured, variance, driving, driving_variance, change, rest, creep, friction, back
+    time, measured, variance, driving, driving_variance, change, rest, creep, fades, friction, back
 ):
     """Return the likeliest motion behind a displacement, and how likely each reading is.
 
@@ -77,6 +75,8 @@ def smooth(
         While the piston rests.
     creep : float
         Speed at which it creeps then, or `GLIDING` [m/s].
+    fades : float
+        Time within which the speed of a piston that creeps fades [s].
     friction : float
         Acceleration that the Coulomb friction takes [m/s^2].
     back : bool
@@ -103,7 +103,7 @@ def smooth(
         if k:
             h = time[k] - time[k - 1]
             creeps = rest[k] and creep > GLIDING
-            step = _transition(h, creeps)
+            step = _transition(h, creeps, fades)
             if rest[k] != rest[k - 1]:
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
@@ -111,7 +111,7 @@ def smooth(
             spread = step @ spread @ step.T
             if creeps:
                 spread[1, 1] += creep * creep * (1.0 - step[1, 1] ** 2)
-                spread[2, 2] += (creep / CREEP_TIME) ** 2
+                spread[2, 2] += (creep / fades) ** 2
             elif rest[k]:
                 _spread_out(spread, h, 0.0, REST_CHANGE)
             else:
@@ -136,7 +136,7 @@ def smooth(
     velocity_variance = np.zeros(n)
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
     for k in range(n - 2 if back else -1, -1, -1):
-        step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING)
+        step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING, fades)
         share = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         filtered[k] = filtered[k] + share @ (filtered[k + 1] - predicted[k + 1])
         gained = share @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ share.T

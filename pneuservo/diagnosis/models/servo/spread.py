@@ -14,9 +14,6 @@ and an observer of the whole motion that trusts its model for longer runs away w
 [s]."""
 HELD_MEMORY = 1.0
 """The same of a piston that is held, whose motion is known [s]."""
-EDGE = 0.6
-"""Error of the moment of a jump of the command, as a share of the sampling interval: at most
-half of it to either side, and a little for the bend of a command that runs on."""
 START = 0.02
 """At the start nothing is known of the spool and of the pressures' past for this long [s]."""
 MOTION_MEMORY = 1.5e-3
@@ -26,8 +23,7 @@ displacement that it adds up to is known to some micrometres [s]."""
 
 def spread_of_pressures(
     time: Array,
-    voltage: Array,
-    ramped: bool,
+    unseen: Array,
     striking: NDArray[np.bool_],
     held: NDArray[np.bool_],
     noise: dict[str, float],
@@ -38,7 +34,7 @@ def spread_of_pressures(
 
     Parameters
     ----------
-    time, voltage, ramped, striking, held, noise
+    time, unseen, striking, held, noise
         As in `pneuservo.diagnosis.models.servo.feed.Feed`.
     velocity_rms : (n,) array
         How well a velocity that is taken over is known [m/s].
@@ -49,20 +45,16 @@ def spread_of_pressures(
     -------
     (2, n) array
         A steady part, which fades what is older than `MEMORY` or `HELD_MEMORY` though the zeros of
-        the transducers wander, one for the moment at which a command that bends between two
-        samples really jumped, one for what cannot be judged, and one for a motion that is taken
-        over.
+        the transducers wander, one for what a command does between two samples, one for what
+        cannot be judged, and one for a motion that is taken over.
     """
     from pneuservo.plant.from_rig import single_axis
 
     plant = single_axis(rig)
     steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
-    bend = np.zeros_like(voltage)
-    if ramped:
-        curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
-        bend = np.maximum(curve, np.append(curve[1:], 0.0)) / plant.valve.full_voltage
     gas, piston = plant.gas, plant.piston
     unsure = ((time < time[0] + START) | striking).astype(float)
+    off = unseen / plant.valve.full_voltage
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     memory = np.where(held, HELD_MEMORY, MEMORY)
     slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME
@@ -74,7 +66,7 @@ def spread_of_pressures(
         volume = dead + 0.5 * side * piston.stroke
         rate = plant.polytropic_index * gas.gas_constant * gas.temperature * flow * area / volume
         found.append(noise.get(name, 0.0) ** 2 * slowly * steps / memory**2)
-        found[-1] += (EDGE * bend * rate * steps) ** 2 + (unsure * rate * steps) ** 2
+        found[-1] += (off**2 + unsure**2) * (rate * steps) ** 2
         # A chamber half filled, whose volume changes at a speed that is not quite known.
         drawn_in = 0.5 * plant.polytropic_index * plant.supply_pressure * side / volume
         # While it moves, the observer has a speed of its own.

@@ -1,0 +1,66 @@
+"""What a command does between its samples."""
+
+import numpy as np
+import pytest
+
+from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
+
+INTERVAL = 1e-3
+TIME = np.arange(0.0, 0.2, INTERVAL)
+FULL = 5.0
+
+
+def means(command):
+    """Return the mean of a command over each interval but the last."""
+    return np.trapezoid(command, axis=1)[:-1] / (command.shape[1] - 1)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.7, 1.9])
+def test_a_swing_at_a_fifth_of_the_sampling_rate_keeps_its_size(phase):
+    rate = 2.0 * np.pi * 0.2 / INTERVAL
+
+    def swings(time):
+        return np.sin(rate * time + phase)
+
+    true = (np.cos(rate * TIME[:-1] + phase) - np.cos(rate * TIME[1:] + phase)) / (rate * INTERVAL)
+    inside = slice(5, -5)
+    curved = (means(running_command(TIME, swings(TIME), FULL, None)) - true)[inside]
+    straight = 0.5 * (swings(TIME[1:]) + swings(TIME[:-1]))[inside] - true[inside]
+    assert np.std(curved) < 0.025 * np.std(true)
+    assert np.std(straight) > 6.0 * np.std(curved)
+    # What may be off covers what is off.
+    assert np.all(np.abs(curved) < unseen(swings(TIME), None)[:-1][inside] + 0.03)
+
+
+def test_it_passes_through_its_samples_and_no_farther_than_the_driver():
+    rng = np.random.default_rng(2)
+    voltage = np.clip(rng.normal(0.0, 6.0, len(TIME)), -FULL, FULL)
+    found = running_command(TIME, voltage, FULL, None)
+    assert found[:, 0] == pytest.approx(voltage)
+    assert found[:-1, -1] == pytest.approx(voltage[1:])
+    assert np.abs(found).max() == FULL
+
+
+def test_it_jumps_with_the_set_point_and_stays_until_then():
+    demand = np.where(TIME < 0.05 - 1e-9, 0.010, 0.015)
+    voltage = 400.0 * (demand - 0.010) * np.exp(-(TIME - 0.05) / 0.03)
+    jump = int(np.argmax(demand > 0.012))
+    known = running_command(TIME, voltage, FULL, demand)
+    assert np.all(known[jump - 1] == voltage[jump - 1])
+    assert known[jump, 0] == voltage[jump]
+    assert unseen(voltage, demand).max() < 0.01
+    # Nobody else knows when in that interval it jumped.
+    assert unseen(voltage, None)[jump - 1] > 0.5 * voltage[jump]
+
+
+def test_a_set_point_that_moves_all_the_time_jumps_nowhere():
+    demand = 0.015 + 0.005 * np.sin(20.0 * TIME)
+    voltage = np.cos(30.0 * TIME)
+    with_it, without = (running_command(TIME, voltage, FULL, d) for d in (demand, None))
+    assert np.array_equal(with_it, without)
+
+
+def test_finer_samples_are_joined_by_straight_lines():
+    fine = np.arange(0.0, 0.01, 1e-4)
+    assert running_command(fine, fine, FULL, None).shape == (len(fine), 2)
+    assert held_command(fine)[3].tolist() == [fine[3], fine[3]]
