@@ -18,7 +18,7 @@ from pneuservo.challenge.draws import (
 )
 from pneuservo.challenge.dress import draw_habit, write_dressed
 from pneuservo.challenge.effects import NONE, PARAMETER, ConcealedEffect, Form, concealed
-from pneuservo.challenge.experiments import RATE, Experiment
+from pneuservo.challenge.experiments import ANALOGUE, RATE, Experiment
 from pneuservo.challenge.key import Key, Wish
 from pneuservo.challenge.noise import ChannelNoise, converted, noise
 from pneuservo.challenge.truth.parameters import Truth
@@ -199,6 +199,8 @@ def _recorded(
     for channel, level in levels.items():
         values = made.readings[:, READINGS.index(channel)]
         channels[channel] = converted(values + noise(level, samples, RATE, rng), level)
+    if trial.kind in ANALOGUE:
+        channels["demand"] = trial.control.demand[:: len(trial.control.demand) // samples]
     conditions = {key.replace(".", "_"): rig[key] + change for key, change in trial.changes.items()}
     return Recording(
         name,

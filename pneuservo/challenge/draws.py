@@ -6,14 +6,22 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.challenge.effects import ConcealedEffect
-from pneuservo.challenge.experiments import Experiment, experiment
+from pneuservo.challenge.experiments import ANALOGUE, Experiment, experiment
 from pneuservo.challenge.key import Wish
 from pneuservo.challenge.noise import ChannelNoise, draw_noise
 from pneuservo.challenge.truth.run import READINGS
 from pneuservo.challenge.visibility import nuisances
 from pneuservo.rigs import Rig, load_rig
 
-USUAL_KINDS = ("sliding-mode", "relay", "proportional", "multilevel", "triangle", "hold")
+USUAL_KINDS = (
+    "sliding-mode",
+    "relay",
+    "proportional",
+    "multilevel",
+    "triangle",
+    "hold",
+    *ANALOGUE,
+)
 TELLING_KINDS = ("stop-test", "staircase", "triangle", "multilevel")
 """What is run after a hidden effect that every experiment shows alike."""
 QUIET_KINDS = ("regulation", "small-steps")

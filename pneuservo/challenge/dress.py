@@ -17,11 +17,13 @@ from pneuservo.rigs import Rig
 _UNITS: dict[str, tuple[tuple[str, float, int], ...]] = {
     "valve_voltage": (("V", 1.0, 4),),
     "displacement": (("m", 1.0, 8), ("mm", 1e3, 5)),
+    "demand": (("m", 1.0, 8), ("mm", 1e3, 5)),
     "pressure": (("Pa", 1.0, 1), ("bar", 1e-5, 6), ("kPa", 1e-3, 4)),
 }
 _NAMES: dict[str, tuple[str, ...]] = {
     "valve_voltage": ("valve_voltage", "u", "AO0"),
     "displacement": ("displacement", "x", "pot"),
+    "demand": ("demand", "xd", "AO1"),
     "pressure_a": ("pressure_a", "pA", "AI1"),
     "pressure_b": ("pressure_b", "pB", "AI2"),
     "supply_pressure": ("supply_pressure", "pS", "AI3"),
@@ -63,7 +65,7 @@ def draw_habit(rng: np.random.Generator, transducers: Sequence[str]) -> Habit:
         The same for all recordings of a case.
     """
     style, pressure = int(rng.integers(3)), int(rng.integers(3))
-    channels = ("valve_voltage", *transducers)
+    channels = ("valve_voltage", "demand", *transducers)
     units = {}
     for name in channels:
         choices = _UNITS["pressure" if "pressure" in name else name]

@@ -12,6 +12,8 @@ DURATION = 10.0
 RATE = 1000.0
 TICK = 1e-3
 """The valve is driven by a computer in step with the recording: the voltage holds this long [s]."""
+_FINER = 10
+"""The voltage of an analogue controller, which runs on, is followed in so many parts of that."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,22 @@ def _proportional(rng: np.random.Generator) -> tuple[Control, float]:
     return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 500.0)), demand[0]
 
 
+def _analogue(demand: Array, kind: int, **settings: float) -> Control:
+    """Return a controller that never stops to look, of which samples are recorded."""
+    control = _control(kind, np.repeat(demand, _FINER), **settings)
+    return control._replace(tick=TICK / _FINER, continuous=True)
+
+
+def _analogue_sliding_mode(rng: np.random.Generator) -> tuple[Control, float]:
+    demand = _steps(rng, rng.choice([0.5, 1.0, 1.25]))
+    return _analogue(demand, SLIDING, boundary=rng.uniform(4.0, 25.0)), demand[0]
+
+
+def _analogue_proportional(rng: np.random.Generator) -> tuple[Control, float]:
+    demand = _steps(rng, rng.choice([0.5, 1.0]))
+    return _analogue(demand, PROPORTIONAL, gain=rng.uniform(200.0, 500.0)), demand[0]
+
+
 def _regulation(rng: np.random.Generator) -> tuple[Control, float]:
     demand = np.full(round(DURATION / TICK), rng.uniform(8e-3, 22e-3))
     return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 400.0)), demand[0]
@@ -149,10 +167,14 @@ def _stop_test(rng: np.random.Generator) -> tuple[Control, float]:
     return _control(STORED, command), 15e-3
 
 
+ANALOGUE = ("analogue sliding-mode", "analogue proportional")
+"""Kinds in which the set point is recorded beside the voltage."""
 KINDS: dict[str, Callable[[np.random.Generator], tuple[Control, float]]] = {
     "sliding-mode": _sliding_mode,
     "relay": _relay,
     "proportional": _proportional,
+    ANALOGUE[0]: _analogue_sliding_mode,
+    ANALOGUE[1]: _analogue_proportional,
     "regulation": _regulation,
     "small-steps": _small_steps,
     "multilevel": _multilevel,

@@ -26,6 +26,20 @@ class Control(NamedTuple):
     weight_speed: float = 114.286  # [1/s]
     boundary: float = 5.0  # [m/s^2]; 0: relay
     level: float = 5.0  # [V]
+    continuous: bool = False  # ticks stand for a voltage that runs on
+
+
+@truth_kernel
+def driving(index, volts, before, control):
+    """Return the voltage that drives the valve in this tick [V].
+
+    Of one that runs on, what it will be in the middle of the tick, unless it has just jumped.
+    """
+    if not control.continuous or index == 0:
+        return volts
+    if control.demand[index] != control.demand[index - 1]:
+        return volts
+    return min(max(volts + 0.5 * (volts - before), -control.level), control.level)
 
 
 @truth_kernel

@@ -9,7 +9,7 @@ from scipy.special import ndtri
 
 from pneuservo.challenge.truth import layout as at
 from pneuservo.challenge.truth.compilation import truth_kernel
-from pneuservo.challenge.truth.control import STORED, Control, command_at
+from pneuservo.challenge.truth.control import STORED, Control, command_at, driving
 from pneuservo.challenge.truth.integrator import advance
 from pneuservo.challenge.truth.parameters import Array, Truth
 from pneuservo.challenge.truth.servo import boundary_pressures, servo_rates
@@ -28,7 +28,7 @@ class Run:
     readings : (n, 5) array
         What the transducers read at each sample, in the order of `READINGS` [SI].
     commands : (ticks,) array
-        Voltage of every tick [V].
+        Voltage that drives the valve in every tick [V].
     motion : (n, 4) array
         Displacement, velocity, acceleration and spool as they are [SI].
     states : (segments, STATES) array
@@ -215,9 +215,11 @@ def _run(
         kept[at.ACCELERATION] = work[0, at.SPEED]
         reading = read_position(time, y, kept, truth.sensors, stroke)
         volts = command_at(index, y, kept, reading, control, stroke)
+        commands[index] = driving(index, volts, kept[at.COMMAND], control)
         kept[at.COMMAND] = volts
-        commands[index] = volts
-        shares[index] = hysteresis(volts / full, truth.spool, kept, relays, centres, widths)
+        shares[index] = hysteresis(
+            commands[index] / full, truth.spool, kept, relays, centres, widths
+        )
         if index % every == 0:
             sample = index // every
             p_a, p_b = read_pressures(time, y, work[0], flows, truth.sensors, truth.network)

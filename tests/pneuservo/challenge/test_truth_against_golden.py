@@ -64,6 +64,21 @@ def test_continuous_controller():
     assert worst(made, table, "displacement") < 9e-6
 
 
+def test_a_voltage_that_runs_on_is_not_late():
+    table, truth = golden("closed-loop-phi5"), truth_of(load_rig("single-axis"))
+    demand = np.repeat(table["demand"].to_numpy(), 10)
+    control = Control(SLIDING, 1e-4, demand, NONE, NONE, NONE, boundary=5.0)
+    start = start_of(table, truth)
+    held, on = (
+        run(truth, control._replace(continuous=continuous), start, 1000.0, 0.5)
+        for continuous in (False, True)
+    )
+    assert worst(on, table, "displacement") < STROKE
+    assert worst(on, table, "pressure_a") < PRESSURE
+    # Held, it is half a hold late: up to a fifth of full voltage where it swings.
+    assert worst(on, table, "valve_voltage") < 0.1 * worst(held, table, "valve_voltage")
+
+
 def test_relay_chatters_as_fast():
     # 219.4 Hz at 15 mm (tests/golden/README.md). The voltage is held for 5 us: on average half of
     # that late, twice a period, where the loop's own lag is of the order of a quarter period:

@@ -83,6 +83,7 @@ def leaves(energy, unknowns):
         penalty=0.0,
         unknowns=unknowns,
         hypothesis=SimpleNamespace(effects={"first"}),
+        effective={"displacement": SAMPLES},
     )
 
 
@@ -108,12 +109,12 @@ def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over
     assert found == named
 
 
-@pytest.mark.parametrize(("found_before", "earns"), [(0.0, True), (3000.0, True), (7000.0, False)])
+@pytest.mark.parametrize(("found_before", "earns"), [(0.0, True), (3000.0, True), (5000.0, False)])
 def test_what_the_form_of_an_effect_leaves_makes_no_parameter_wrong(found_before, earns):
     current = leaves(1000.0, 24)
     baseline = leaves(1000.0 + found_before, 23)
     judge = ByGain(current, baseline, (), lambda name, fit: 0.0)
-    assert judge.earns("param.piston.stroke", leaves(940.0, 24), 60.0) == earns
+    assert judge.earns("param.piston.stroke", leaves(960.0, 24), 40.0) == earns
 
 
 @pytest.mark.parametrize(
@@ -126,11 +127,21 @@ def test_what_the_form_of_an_effect_leaves_makes_no_parameter_wrong(found_before
     ],
 )
 def test_a_parameter_is_not_wrong_by_what_it_cannot_be(parameter, interval, earns):
-    current, closer = leaves(1000.0, 24), leaves(940.0, 24)
+    current, closer = leaves(1000.0, 24), leaves(960.0, 24)
     current.hypothesis = SimpleNamespace(effects=set())
     closer.intervals = {parameter: interval}
     judge = ByGain(current, current, (), lambda name, fit: 0.0)
-    assert judge.earns(f"param.{parameter}", closer, 60.0) == earns
+    assert judge.earns(f"param.{parameter}", closer, 40.0) == earns
+
+
+def test_where_no_motion_is_judged_a_parameter_has_to_explain_as_much_as_an_effect():
+    current, closer = leaves(1000.0, 24), leaves(960.0, 24)
+    current.hypothesis = SimpleNamespace(effects=set())
+    judge = ByGain(current, current, (), lambda name, fit: 0.0)
+    assert judge.earns("param.chamber.a.dead_volume", closer, 40.0)
+    current.effective = {"pressure_a": SAMPLES}
+    assert not judge.earns("param.chamber.a.dead_volume", closer, 40.0)
+    assert judge.earns("param.chamber.a.dead_volume", leaves(940.0, 24), 60.0)
 
 
 @pytest.mark.parametrize(("strained", "earns"), [(10.0, True), (70.0, False)])

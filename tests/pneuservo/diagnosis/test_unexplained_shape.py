@@ -24,6 +24,7 @@ TABLE = Table(
     knots=tuple(f"unexplained.force:v{k}" for k in range(9)),
     step=1.0,
     least=0.0,
+    largest=1e4,
     least_gain=0.0,
 )
 
