@@ -16,6 +16,8 @@ _CURVE = 0.05
 """Error of a curve through samples, as a share of how sharply they bend."""
 _OF_A_JUMP = 2.0
 """A command that moves by more than so many times what it does in both neighbours jumps."""
+_SETTLED = 6.0
+"""Time constants after which a spool stands still."""
 _FEWEST = 3
 """Samples that a curve can be drawn through."""
 
@@ -120,6 +122,37 @@ def unseen(voltage: Array, demand: Array | None) -> Array:
     bend = np.maximum(curve[:-1], curve[1:])
     off = _EDGE * jump + _CURVE * bend
     return np.append(off, off[-1:])
+
+
+def followed_by_spool(off: Array, interval: float, frequency: float, damping: float) -> Array:
+    """Return what a spool makes of a command that is off for a while.
+
+    Parameters
+    ----------
+    off : (n,) array
+        Of the mean command in each sampling interval [V].
+    interval : float
+        Between samples [s].
+    frequency, damping : float
+        Of the spool [Hz], [-].
+
+    Returns
+    -------
+    (n,) array
+        The same of the mean opening [V].
+
+    Examples
+    --------
+    >>> late = followed_by_spool(np.array([0.0, 1.0, 0.0, 0.0, 0.0]), 1e-3, 200.0, 0.7)
+    >>> late.round(2).tolist()
+    [0.0, 0.42, 0.45, 0.16, 0.01]
+    """
+    from scipy.signal import step
+
+    rate = 2.0 * math.pi * frequency
+    moments = interval * np.arange(math.ceil(_SETTLED / (damping * rate * interval)) + 1)
+    _, reply = step(([rate**2], [1.0, 2.0 * damping * rate, rate**2]), T=moments)
+    return np.asarray(np.convolve(off, np.diff(reply))[: len(off)])
 
 
 def _jumping(demand: Array) -> NDArray[np.bool_]:

@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
+from pneuservo.diagnosis.models.servo.command import (
+    followed_by_spool,
+    held_command,
+    running_command,
+    unseen,
+)
 from pneuservo.diagnosis.models.servo.motion import averaged_samples, smooth_motion
 from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import (
@@ -60,7 +65,7 @@ class Feed:
     command : (n, m + 1) array
         The voltage between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
     unseen : (n,) array
-        By how much that may be off in each interval [V].
+        By how much the opening may be off for that in each interval [V].
     reading : (n,) array
         Displacement as measured; NaN where there is none [m].
     motion : (3, n) array
@@ -192,7 +197,12 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         time=time,
         voltage=voltage,
         command=running_command(time, voltage, rig["valve.full_voltage"], demand),
-        unseen=unseen(voltage, demand),
+        unseen=followed_by_spool(
+            unseen(voltage, demand),
+            interval,
+            rig["valve.spool.frequency"],
+            rig["valve.spool.damping"],
+        ),
         reading=recording["displacement"],
         motion=np.zeros((3, len(time))),
         pressures=pressures,

@@ -1,7 +1,5 @@
 """A measured spool position held against where the command would have it."""
 
-import math
-
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
@@ -53,9 +51,5 @@ def shares_of_spool(fed: Feed, valve: Valve) -> Array:
         Less than one where a command that runs on bends between two samples, and until the spool
         has followed it: what it did in between is not known [-].
     """
-    from scipy.signal import lfilter
-
-    kept = math.exp(-fed.interval * valve.spool_damping * valve.spool_frequency)
-    unsure = lfilter([1.0], [1.0, -kept], fed.unseen / valve.full_voltage)
     noise = fed.noise["spool"]
-    return np.asarray(noise / np.hypot(noise, unsure))
+    return np.asarray(noise / np.hypot(noise, fed.unseen / valve.full_voltage))

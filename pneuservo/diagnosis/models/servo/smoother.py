@@ -11,6 +11,8 @@ FORCE_CHANGE_TIME = 5e-3
 """Within this time the force on a moving piston jumps [s]."""
 REST_CHANGE = 0.02
 """By so much it may while the piston comes to rest, whatever the pressures do [m/s^2]."""
+UNEVEN_FADING = 0.3
+"""Share of itself by which a speed fades unevenly within the time that it takes."""
 GLIDING = 0.0
 """Speed of creep that stands for a piston that comes to rest."""
 
@@ -110,8 +112,9 @@ def smooth(
             state = step @ state
             spread = step @ spread @ step.T
             if creeps:
-                spread[1, 1] += creep * creep * (1.0 - step[1, 1] ** 2)
-                spread[2, 2] += (creep / fades) ** 2
+                uneven = creep * creep + (UNEVEN_FADING * state[1]) ** 2
+                spread[1, 1] += uneven * (1.0 - step[1, 1] ** 2)
+                spread[2, 2] += uneven / fades**2
             elif rest[k]:
                 _spread_out(spread, h, 0.0, REST_CHANGE)
             else:
