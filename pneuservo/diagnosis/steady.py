@@ -11,8 +11,10 @@ from pneuservo.diagnosis.problem import Problem
 _STEP = 1e-4
 """Step of a difference, in units of the unknown's typical size."""
 STRAYED = 0.1
-"""Share of its size by which a parameter moves before its sensitivity is worked out anew: that of a
-spool at half its frequency has nothing in common with the one it began with."""
+"""Share of its size, or of what it has shrunk to, by which a parameter moves before its sensitivity
+is worked out anew: that of a spool at half its frequency has nothing in common with what it began
+with."""
+_LEAST_SIZE = 0.1
 
 
 class Known(Protocol):
@@ -74,7 +76,8 @@ class SteadySensitivity:
 
     def __call__(self, vector: Array) -> Array:
         """Return the Jacobian at a vector of unknowns."""
-        strayed = self._may_stray & (np.abs(vector - self._worked_out_at) > STRAYED)
+        far = STRAYED * np.clip(np.abs(vector), _LEAST_SIZE, 1.0)
+        strayed = self._may_stray & (np.abs(vector - self._worked_out_at) > far)
         strayed |= np.isinf(self._worked_out_at)
         columns = sorted({*np.flatnonzero(strayed).tolist(), *self._each})
         if columns:

@@ -12,7 +12,7 @@ FORCE_CHANGE_TIME = 5e-3
 REST_CHANGE = 0.02
 """By so much it may while the piston comes to rest, whatever the pressures do [m/s^2]."""
 UNEVEN_FADING = 0.3
-"""Share of itself by which a speed fades unevenly within the time that it takes."""
+"""Share of the speed at which a piston comes to rest by which it fades unevenly."""
 GLIDING = 0.0
 """Speed of creep that stands for a piston that comes to rest."""
 
@@ -98,7 +98,7 @@ def smooth(
     n = time.shape[0]
     predicted, filtered = np.zeros((n, 4)), np.zeros((n, 4))
     spread_predicted, spread_filtered = np.zeros((n, 4, 4)), np.zeros((n, 4, 4))
-    state, likelihood = np.zeros(4), np.zeros(n)
+    state, likelihood, came = np.zeros(4), np.zeros(n), 0.0
     wandering = LIKELY_WANDER**2 * variance
     spread = np.diag(np.array([1e-4, 1.0, 1e4, wandering]))
     for k in range(n):
@@ -109,10 +109,12 @@ def smooth(
             if rest[k] != rest[k - 1]:
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
+                came = state[1]
             state = step @ state
             spread = step @ spread @ step.T
             if creeps:
-                uneven = creep * creep + (UNEVEN_FADING * state[1]) ** 2
+                came *= step[1, 1]
+                uneven = creep * creep + (UNEVEN_FADING * came) ** 2
                 spread[1, 1] += uneven * (1.0 - step[1, 1] ** 2)
                 spread[2, 2] += uneven / fades**2
             elif rest[k]:
