@@ -26,8 +26,8 @@ class Reading:
     baseline : Fit or None
         Fitted to them, where more than one way had to be tried.
     unlikely : float
-        Twice the negative log-likelihood of what is left, but for a constant; a misfit all over
-        is forgiven.
+        Twice the negative log-likelihood of what is left, but for a constant; a misfit that every
+        way leaves all over is forgiven.
     """
 
     place: int
@@ -53,15 +53,18 @@ def ranked_readings(
     Notes
     -----
     All recordings are read in the same way. The baseline is fitted first: parameters that are off
-    would decide instead, by whatever factor. A misfit all over is no argument for a reading.
+    would decide instead, by whatever factor. A misfit that all of them leave all over is no
+    argument for any.
     """
     if len(readings) == 1:
         return [Reading(0, readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
     fits = _fitted_in_turn(model, readings, None)
     found = [
-        Reading(place, cases, baseline, _unlikely(model, cases, baseline))
-        for place, (cases, baseline) in enumerate(zip(readings, fits, strict=True))
+        Reading(place, cases, baseline, unlikely)
+        for place, (cases, baseline, unlikely) in enumerate(
+            zip(readings, fits, _unlikely(model, readings, fits), strict=True)
+        )
     ]
     return sorted(found, key=lambda reading: reading.unlikely)
 
@@ -97,22 +100,31 @@ def likelier_with(
     if not others:
         return None
     progress("fitting what was found to each way in which the recordings may be read")
-    unlikely = {
-        reading.place: _unlikely(
-            model,
-            reading.cases,
-            fit(model, reading.cases, named.hypothesis, reading.baseline),
-        )
-        for reading in (first, *others)
-    }
-    # It may have taken more than one fit to find it.
-    unlikely[first.place] = min(unlikely[first.place], _unlikely(model, first.cases, named))
-    best = min((first, *others), key=lambda reading: unlikely[reading.place])
+    # It may have taken more than one fit to find it: the first is judged by the likelier.
+    tried = (first, first, *others)
+    fits = [named]
+    fits += [fit(model, r.cases, named.hypothesis, r.baseline) for r in tried[1:]]
+    unlikely = _unlikely(model, [reading.cases for reading in tried], fits)
+    best = tried[unlikely.index(min(unlikely))]
     return None if best is first else best
 
 
-def _unlikely(model: Model, cases: Cases, found: Fit) -> float:
-    return model.unlikeliness(cases, _values(cases, found), forgiving=True)
+def _unlikely(model: Model, ways: Sequence[Cases], fits: Sequence[Fit]) -> list[float]:
+    """Return how unlikely recordings are in each of some ways.
+
+    Residuals count in what is left all over, so that this decides nothing; but in noise where one
+    of the ways leaves no more than that.
+    """
+    values = [_values(*each) for each in zip(ways, fits, strict=True)]
+    found = [model.levels(way, known) for way, known in zip(ways, values, strict=True)]
+    misfits = [{key[0] for key, level in levels.items() if level > 1.0} for levels in found]
+    forgiven = set.intersection(*misfits)
+    return [
+        model.unlikeliness(
+            way, known, {k: level if k[0] in forgiven else 1.0 for k, level in levels.items()}
+        )
+        for way, known, levels in zip(ways, values, found, strict=True)
+    ]
 
 
 def likeliest_followed(

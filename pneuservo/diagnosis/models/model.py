@@ -92,6 +92,10 @@ class Table:
     least_gain: float
 
 
+Levels = Mapping[tuple[int, str], float]
+"""By identity of a recording and channel."""
+
+
 @dataclass(frozen=True)
 class Case:
     """One recording, prepared for a model.
@@ -127,6 +131,12 @@ class Case:
     scale: float = 1.0
     finest: float = 0.0
     recorded: bool = True
+
+    @property
+    def origin(self) -> Recording:
+        """Return the recording as it was read, with what a model has taken out of it."""
+        recorded: Recording = self.inputs.get("recorded", self.recording)
+        return recorded
 
     @property
     def resolution(self) -> float:
@@ -207,12 +217,16 @@ class Model:
         """
         return [list(cases)]
 
+    def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
+        """Return how large a misfit is all over, by recording and channel, in its noise squared."""
+        raise NotImplementedError
+
     def unlikeliness(
-        self, cases: Sequence[Case], values: Sequence[Values], forgiving: bool = False
+        self, cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
     ) -> float:
         """Return twice the negative log-likelihood of recordings, but for a constant.
 
-        Where it is forgiving, a misfit that is there all over does not count.
+        Where levels are given, residuals count in these instead of in noise.
         """
         raise NotImplementedError
 

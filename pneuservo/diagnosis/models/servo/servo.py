@@ -1,6 +1,6 @@
 """The single-axis servo, followed by an observer from command and measurements."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.hum import hum_in
-from pneuservo.diagnosis.models.model import Array, Case, Model, Table, Unknown, Values
+from pneuservo.diagnosis.models.model import (
+    Array,
+    Case,
+    Levels,
+    Model,
+    Table,
+    Unknown,
+    Values,
+)
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
 from pneuservo.diagnosis.models.servo.feed import (
     AT_REST,
@@ -69,6 +77,8 @@ _ROWS = (*CHANNELS, AT_REST)
 _PLACE = CHANNELS.index("displacement")
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
+_NO_MISFIT = 1.25
+"""Noise is known to about a tenth: a square that is larger by less is none."""
 _MEDIAN = 0.455
 """Of the square of a standard normal variable."""
 
@@ -201,18 +211,29 @@ class ServoModel(Model):
             steady.append(replace(case, inputs={**case.inputs, "feed": feeds[id(fed)]}))
         return [list(cases), steady]
 
+    def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
+        """Return how large innovations are where the command is calm, in their noise squared."""
+        return {
+            (id(case.origin), channel): _level(squares, shares, _calm(case.inputs["feed"].voltage))
+            for case, mine in zip(cases, values, strict=True)
+            if case.inputs["leads"]
+            for channel, squares, shares in _seen(case, mine)
+        }
+
     def unlikeliness(
-        self, cases: Sequence[Case], values: Sequence[Values], forgiving: bool = False
+        self, cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
     ) -> float:
         """Return how unlikely the innovations of all recordings are, each counted once.
 
-        Where it is forgiving, they count in their size where the command is calm.
+        In their noise, or in the levels that are given.
         """
-        return sum(
-            _unlikeliness(case.inputs["feed"], mine, case.rig, forgiving)
-            for case, mine in zip(cases, values, strict=True)
-            if case.inputs["leads"]
-        )
+        total = 0.0
+        for case, mine in zip(cases, values, strict=True):
+            for channel, squares, shares in _seen(case, mine) if case.inputs["leads"] else ():
+                level = levels[id(case.origin), channel] if levels else 1.0
+                seen = shares > 0.0
+                total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
+        return total
 
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return every parameter that is known within a tolerance only."""
@@ -332,22 +353,22 @@ def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
     return with_observer(fed if ramped else with_held_command(fed, rig), rig)
 
 
-def _unlikeliness(fed: Feed, values: Values, rig: Rig, forgiving: bool) -> float:
-    """Return twice the negative log-likelihood of the innovations, but for a constant."""
-    calm = _calm(fed.voltage) if forgiving else np.zeros(len(fed.time), dtype=bool)
+def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
+    """Yield each channel's squared innovations, in noise, and their shares, as in a `Feed`."""
+    fed: Feed = case.inputs["feed"]
     noise = fed.noise_of(CHANNELS)[:, np.newaxis]
-    square = (_innovations(fed, values, rig)[: len(CHANNELS)] / noise) ** 2
-    seen_as = dict(zip(FOLLOWED, fed.shares.T, strict=True))
+    squares = (_innovations(fed, values, case.rig)[: len(CHANNELS)] / noise) ** 2
+    for channel, shares in zip(FOLLOWED, fed.shares.T, strict=True):
+        yield channel, squares[CHANNELS.index(channel)], shares
     if len(fed.spool_reading):
-        seen_as["spool"] = shares_of_spool(fed, single_axis(rig).valve)
-    total = 0.0
-    for channel, shares in seen_as.items():
-        squares = square[CHANNELS.index(channel)]
-        seen, level = shares > 0.0, 1.0
-        if np.any(seen & calm):
-            level = max(1.0, float(np.median(squares[seen & calm])) / _MEDIAN)
-        total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
-    return total
+        shares = shares_of_spool(fed, single_axis(case.rig).valve)
+        yield "spool", squares[CHANNELS.index("spool")], shares
+
+
+def _level(squares: Array, shares: Array, calm: NDArray[np.bool_]) -> float:
+    seen = (shares > 0.0) & calm
+    level = float(np.median(squares[seen])) / _MEDIAN if np.any(seen) else 1.0
+    return level if level > _NO_MISFIT else 1.0
 
 
 def _calm(voltage: Array) -> NDArray[np.bool_]:
