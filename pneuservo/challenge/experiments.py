@@ -76,9 +76,10 @@ def _steps(rng: np.random.Generator, hold: float) -> Array:
     return np.asarray(held, dtype=np.float64)
 
 
-def _control(kind: int, demand: Array, **settings: float) -> Control:
+def _control(kind: int, demand: Array, gain: float = 0.0, boundary: float = 0.0) -> Control:
     none = np.zeros(1)
-    return Control(kind, TICK, demand, np.zeros(len(demand)), none, none, **settings)
+    quiet = np.zeros(len(demand))
+    return Control(kind, TICK, demand, quiet, none, none, gain=gain, boundary=boundary)
 
 
 def _sliding_mode(rng: np.random.Generator) -> tuple[Control, float]:
@@ -96,20 +97,22 @@ def _proportional(rng: np.random.Generator) -> tuple[Control, float]:
     return _control(PROPORTIONAL, demand, gain=rng.uniform(200.0, 500.0)), demand[0]
 
 
-def _analogue(demand: Array, kind: int, **settings: float) -> Control:
-    """Return a controller that never stops to look, of which samples are recorded."""
-    control = _control(kind, np.repeat(demand, _FINER), **settings)
-    return control._replace(tick=TICK / _FINER, continuous=True)
+def _analogue(sampled: tuple[Control, float]) -> tuple[Control, float]:
+    """Return the same controller as one that never stops to look, and where it starts."""
+    control, start = sampled
+    demand = np.repeat(control.demand, _FINER)
+    quiet = np.zeros(len(demand))
+    finer = control._replace(tick=TICK / _FINER, demand=demand, noise=quiet, continuous=True)
+    return finer, start
 
 
 def _analogue_sliding_mode(rng: np.random.Generator) -> tuple[Control, float]:
-    demand = _steps(rng, rng.choice([0.5, 1.0, 1.25]))
-    return _analogue(demand, SLIDING, boundary=rng.uniform(4.0, 25.0)), demand[0]
+    control, start = _analogue(_sliding_mode(rng))
+    return control._replace(boundary=rng.uniform(4.0, 25.0)), start
 
 
 def _analogue_proportional(rng: np.random.Generator) -> tuple[Control, float]:
-    demand = _steps(rng, rng.choice([0.5, 1.0]))
-    return _analogue(demand, PROPORTIONAL, gain=rng.uniform(200.0, 500.0)), demand[0]
+    return _analogue(_proportional(rng))
 
 
 def _regulation(rng: np.random.Generator) -> tuple[Control, float]:
