@@ -194,7 +194,7 @@ def _recorded(
     stated: bool,
 ) -> Recording:
     samples = len(made.readings)
-    # The computer that drives the valve knows its voltage exactly.
+    # What drives the valve knows its voltage exactly.
     channels = {"valve_voltage": made.readings[:, READINGS.index("valve_voltage")]}
     for channel, level in levels.items():
         values = made.readings[:, READINGS.index(channel)]

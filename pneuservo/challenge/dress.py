@@ -57,7 +57,7 @@ def draw_habit(rng: np.random.Generator, transducers: Sequence[str]) -> Habit:
     rng : Generator
         Draws it.
     transducers : sequence of str
-        Canonical channels beside the valve voltage.
+        Canonical channels beside valve voltage and demand.
 
     Returns
     -------

@@ -11,7 +11,7 @@ from pneuservo.challenge.truth.parameters import Array
 DURATION = 10.0
 RATE = 1000.0
 TICK = 1e-3
-"""The valve is driven by a computer in step with the recording: the voltage holds this long [s]."""
+"""A computer in step with the recording drives the valve: its voltage holds this long [s]."""
 _FINER = 10
 """The voltage of an analogue controller, which runs on, is followed in so many parts of that."""
 

@@ -19,7 +19,7 @@ LEAST_DISTANCE = 25.0
 ones: five tolerances. Where the piston hardly moves it was 22 in recordings of another simulator
 without a wrong one, and 37 where no motion was judged at all: what is then taken over for its
 velocity is noise, which shrinks with a larger volume. There it is that of an effect."""
-_MOTION = "displacement"
+_MOTION, _PRESSURES = "displacement", {"pressure_a", "pressure_b"}
 SMALLEST_SHARE = 0.02
 """Share of what the baseline leaves unexplained that an effect has to account for ..."""
 SECOND_SHARE = 0.05
@@ -218,7 +218,8 @@ class ByGain:
 
     def least(self, name: str) -> float:
         """Return what no noise explains, or what the form of the laws found so far leaves."""
-        moves = _MOTION in self.current.effective
+        judged = self.current.effective
+        moves = _MOTION in judged or not _PRESSURES & set(judged)
         least = LEAST_DISTANCE if name.startswith("param.") and moves else LEAST_GAIN
         if not self.current.hypothesis.effects:
             return least

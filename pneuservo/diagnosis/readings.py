@@ -112,8 +112,8 @@ def likelier_with(
 def _unlikely(model: Model, ways: Sequence[Cases], fits: Sequence[Fit]) -> list[float]:
     """Return how unlikely recordings are in each of some ways.
 
-    Residuals count in what is left all over, so that this decides nothing; but in noise where one
-    of the ways leaves no more than that.
+    Residuals count in what is left all over, so that this decides nothing; but those of a recording
+    of which one of the ways leaves no more than noise, in any channel, count in noise.
     """
     values = [_values(*each) for each in zip(ways, fits, strict=True)]
     found = [model.levels(way, known) for way, known in zip(ways, values, strict=True)]

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
+from pneuservo.diagnosis.models.servo.command import (
+    followed_by_spool,
+    held_command,
+    running_command,
+    unseen,
+)
 
 INTERVAL = 1e-3
 TIME = np.arange(0.0, 0.2, INTERVAL)
@@ -58,6 +63,32 @@ def test_a_set_point_that_moves_all_the_time_jumps_nowhere():
     voltage = np.cos(30.0 * TIME)
     with_it, without = (running_command(TIME, voltage, FULL, d) for d in (demand, None))
     assert np.array_equal(with_it, without)
+
+
+def test_the_steps_of_a_converter_are_no_jumps():
+    true = 0.015 + 0.005 * np.sin(2.0 * TIME)
+    coarse = np.round(true / 7.3e-6) * 7.3e-6
+    voltage = np.cos(30.0 * TIME)
+    with_it, without = (running_command(TIME, voltage, FULL, d) for d in (coarse, None))
+    assert np.array_equal(with_it, without)
+
+
+def test_over_a_gap_it_runs_straight():
+    time = np.concatenate([TIME[:50], TIME[150:]])
+    voltage = 0.5 * np.sin(2.0 * np.pi * 40.0 * time)
+    found = running_command(time, voltage, FULL, None)
+    assert found[49] == pytest.approx(np.linspace(voltage[49], voltage[50], found.shape[1]))
+    assert np.abs(found).max() < 0.51
+
+
+def test_a_spool_goes_on_with_what_was_unknown_until_it_has_settled():
+    off = np.zeros(12)
+    off[3] = 1.0
+    mean, at_samples = followed_by_spool(off, INTERVAL, 2.0 * np.pi * 200.0, 0.7)
+    # All of it passes the spool, which overshoots; at first nothing has shown.
+    assert mean.sum() == pytest.approx(1.0, abs=0.1)
+    assert not at_samples[:4].any()
+    assert at_samples[4] > mean[3]
 
 
 def test_finer_samples_are_joined_by_straight_lines():

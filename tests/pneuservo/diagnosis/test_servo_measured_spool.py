@@ -24,7 +24,7 @@ def rig():
     return load_rig("single-axis")
 
 
-def recorded(rig, effects, with_spool, seed=6):
+def recorded(rig, effects, with_spool, with_demand, seed=6):
     """Return a run whose spool is read by a transducer that is off in zero and gain."""
     rng = np.random.default_rng(seed)
     demand = np.repeat(rng.uniform(0.006, 0.024, 20), 200)
@@ -32,7 +32,8 @@ def recorded(rig, effects, with_spool, seed=6):
     run = simulate(faulty, time=TIME, controller=Proportional(), demand=demand)
     recording = noisy(run, rng)
     read = ZERO + GAIN * run["spool"] + rng.normal(0.0, SPOOL_NOISE, len(TIME))
-    recording.channels.update(demand=demand)
+    if with_demand:
+        recording.channels.update(demand=demand)
     recording.noise_rms.update(NOISE)
     if with_spool:
         recording.channels.update(spool=read)
@@ -41,20 +42,21 @@ def recorded(rig, effects, with_spool, seed=6):
 
 
 def fitted(rig, effects, *names, with_spool=True):
-    """Return the baseline, and the fits with each of some names alone."""
+    """Return the baseline of a command that runs on, and the fits with each of some names alone."""
     model = ServoModel()
-    cases = model.cases(recorded(rig, effects, with_spool), rig)
-    first = ranked_readings(model, model.readings(cases), lambda step: None)[0]
-    assert first.cases[0].inputs["feed"].ramped
-    assert ("spool" in {case.channel for case in first.cases}) == with_spool
-    baseline = first.baseline
-    return baseline, [
-        fit(model, first.cases, Hypothesis().adding(name), baseline) for name in names
-    ]
+    cases = model.cases(recorded(rig, effects, with_spool, with_demand=True), rig)
+    assert ("spool" in {case.channel for case in cases}) == with_spool
+    baseline = fit(model, cases, Hypothesis())
+    return baseline, [fit(model, cases, Hypothesis().adding(name), baseline) for name in names]
 
 
-def test_where_nothing_is_missing_zero_and_gain_of_its_transducer_are_all(rig):
-    baseline, _ = fitted(rig, {})
+@pytest.mark.parametrize("with_demand", [True, False])
+def test_where_nothing_is_missing_zero_and_gain_of_its_transducer_are_all(rig, with_demand):
+    model = ServoModel()
+    cases = model.cases(recorded(rig, {}, True, with_demand), rig)
+    likeliest = ranked_readings(model, model.readings(cases), lambda step: None)[0]
+    assert likeliest.cases[0].inputs["feed"].ramped
+    baseline = likeliest.baseline
     assert baseline.rms_of("spool") == pytest.approx(1.0, abs=0.05)
     assert baseline.own[0][SPOOL_ZERO] == pytest.approx(ZERO, abs=1e-3)
     assert baseline.own[0][SPOOL_GAIN] == pytest.approx(GAIN, abs=2e-3)

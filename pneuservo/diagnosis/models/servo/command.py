@@ -18,6 +18,12 @@ _OF_A_JUMP = 2.0
 """A command that moves by more than so many times what it does in both neighbours jumps."""
 _SETTLED = 6.0
 """Time constants after which a spool stands still."""
+_FINER = 10
+"""Parts of an interval in which a spool's reply is worked out."""
+_GAP = 3.0
+"""A curve does not go on over a gap of so many intervals."""
+_LEAST_JUMP = 0.01
+"""Share of all that a set point moves by that a jump of it has: converters have steps."""
 _FEWEST = 3
 """Samples that a curve can be drawn through."""
 
@@ -78,10 +84,11 @@ def running_command(time: Array, voltage: Array, limit: float, demand: Array | N
     """
     parts = max(1, math.ceil(float(np.median(np.diff(time))) / FINEST_PART - 1e-9))
     found = np.repeat(voltage[:, np.newaxis], parts + 1, axis=1)
-    jumps = np.zeros(0, dtype=np.int64)
-    if demand is not None:
-        jumps = np.flatnonzero(_jumping(demand)) + 1
-    for first, end in zip([0, *jumps], [*jumps, len(time)], strict=True):
+    steps = np.diff(time)
+    gaps = steps > _GAP * float(np.median(steps))
+    found[:-1][gaps] = np.linspace(voltage[:-1][gaps], voltage[1:][gaps], parts + 1, axis=1)
+    ends = np.flatnonzero(gaps if demand is None else gaps | jumping(demand)) + 1
+    for first, end in zip([0, *ends], [*ends, len(time)], strict=True):
         if end - first >= _FEWEST:
             within = slice(first, end)
             found[first : end - 1] = _curve(time[within], voltage[within], parts)
@@ -115,7 +122,7 @@ def unseen(voltage: Array, demand: Array | None) -> Array:
     """
     change = np.diff(voltage)
     if demand is not None:
-        change = np.where(_jumping(demand), 0.0, change)
+        change = np.where(jumping(demand), 0.0, change)
     moves = np.abs(change)
     jump = np.maximum(moves - _OF_A_JUMP * _beside(moves), 0.0)
     curve = np.abs(np.diff(change, prepend=change[0], append=change[-1]))
@@ -124,41 +131,56 @@ def unseen(voltage: Array, demand: Array | None) -> Array:
     return np.append(off, off[-1:])
 
 
-def followed_by_spool(off: Array, interval: float, frequency: float, damping: float) -> Array:
+def followed_by_spool(
+    off: Array, interval: float, frequency: float, damping: float
+) -> tuple[Array, Array]:
     """Return what a spool makes of a command that is off for a while.
 
     Parameters
     ----------
     off : (n,) array
-        Of the mean command in each sampling interval [V].
+        By how much its mean may be off in each sampling interval [V].
     interval : float
         Between samples [s].
     frequency, damping : float
-        Of the spool [Hz], [-].
+        Of the spool [rad/s], [-].
 
     Returns
     -------
-    (n,) array
-        The same of the mean opening [V].
+    mean, at_samples : (n,) array
+        The same of the mean opening in each interval, and of the opening at each sample [V].
 
     Examples
     --------
-    >>> late = followed_by_spool(np.array([0.0, 1.0, 0.0, 0.0, 0.0]), 1e-3, 200.0, 0.7)
-    >>> late.round(2).tolist()
-    [0.0, 0.42, 0.45, 0.16, 0.01]
+    >>> off = np.array([0.0, 1.0, 0.0, 0.0, 0.0])
+    >>> mean, at_samples = followed_by_spool(off, 1e-3, 1256.0, 0.7)
+    >>> mean.round(2).tolist(), at_samples.round(2).tolist()
+    ([0.0, 0.17, 0.5, 0.3, 0.07], [0.0, 0.0, 0.42, 0.45, 0.16])
     """
     from scipy.signal import step
 
-    rate = 2.0 * math.pi * frequency
-    moments = interval * np.arange(math.ceil(_SETTLED / (damping * rate * interval)) + 1)
-    _, reply = step(([rate**2], [1.0, 2.0 * damping * rate, rate**2]), T=moments)
-    return np.asarray(np.convolve(off, np.diff(reply))[: len(off)])
+    intervals = math.ceil(_SETTLED / (damping * frequency * interval))
+    moments = interval / _FINER * np.arange(_FINER * intervals + 1)
+    _, reply = step(([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2]), T=moments)
+    # Of one interval: the reply to a step less the same one interval later.
+    pulse = np.abs(reply - np.concatenate([np.zeros(_FINER), reply[:-_FINER]]))
+    means = 0.5 * (pulse[1:] + pulse[:-1]).reshape(intervals, _FINER).mean(axis=1)
+    ends = pulse[::_FINER]
+    mean, at_samples = (np.convolve(off, part)[: len(off)] for part in (means, ends))
+    return mean, at_samples
 
 
-def _jumping(demand: Array) -> NDArray[np.bool_]:
-    """Return in which intervals a set point jumps: it moves there and in neither neighbour."""
+def jumping(demand: Array) -> NDArray[np.bool_]:
+    """Return in which intervals a set point jumps: it moves there and in neither neighbour.
+
+    Parameters
+    ----------
+    demand : (n,) array
+        [m].
+    """
     moves = np.abs(np.diff(demand))
-    return np.asarray(moves > 10.0 * _beside(moves))
+    least = _LEAST_JUMP * float(np.nanmax(demand) - np.nanmin(demand))
+    return np.asarray((moves > 10.0 * _beside(moves)) & (moves > least))
 
 
 def _beside(moves: Array) -> Array:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.command import (
-    followed_by_spool,
     held_command,
     running_command,
     unseen,
@@ -65,7 +64,7 @@ class Feed:
     command : (n, m + 1) array
         The voltage between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
     unseen : (n,) array
-        By how much the opening may be off for that in each interval [V].
+        By how much the mean of that may be off in each interval [V].
     reading : (n,) array
         Displacement as measured; NaN where there is none [m].
     motion : (3, n) array
@@ -197,12 +196,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         time=time,
         voltage=voltage,
         command=running_command(time, voltage, rig["valve.full_voltage"], demand),
-        unseen=followed_by_spool(
-            unseen(voltage, demand),
-            interval,
-            rig["valve.spool.frequency"],
-            rig["valve.spool.damping"],
-        ),
+        unseen=unseen(voltage, demand),
         reading=recording["displacement"],
         motion=np.zeros((3, len(time))),
         pressures=pressures,

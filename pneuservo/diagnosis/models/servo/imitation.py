@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.command import held_command
+from pneuservo.diagnosis.models.servo.command import held_command, jumping
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
@@ -80,7 +81,10 @@ def imitated(
         initial=_start(fed, rig),
         largest_step=_STEP,
     )
-    channels = {"valve_voltage": _as_sampled(fed.ramped, run, law.gain * law.weight_displacement)}
+    channels = {name: recording[name] for name in ("demand",) if name in recording}
+    jumps = jumping(channels["demand"]) if channels else np.zeros(len(fed.time) - 1, np.bool_)
+    slope = law.gain * law.weight_displacement
+    channels["valve_voltage"] = _as_sampled(fed.ramped, run, slope, jumps)
     for name in fed.noise:
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
         true = source if name == "supply_pressure" else run[name]
@@ -105,16 +109,18 @@ def imitated(
     )
 
 
-def _as_sampled(ramped: bool, run: Simulation, gain: float) -> Array:
+def _as_sampled(ramped: bool, run: Simulation, gain: float, jumps: NDArray[np.bool_]) -> Array:
     """Return the command as a recording that is read in this way has it [V].
 
     Between two samples the demand is held and the displacement goes on, so that the command runs
-    away from where it was sampled; what is recorded has to mean the same.
+    away from where it was sampled; what is recorded has to mean the same. With the set point it
+    jumps at once.
     """
     moved = np.diff(run["displacement"], append=run["displacement"][-1])
     mean: Array = run["valve_voltage"] - 0.5 * gain * moved
     if ramped:
-        mean = 0.5 * (mean + np.append(mean[:1], mean[:-1]))
+        before = np.append(mean[:1], np.where(jumps, mean[1:], mean[:-1]))
+        mean = 0.5 * (mean + before)
     return mean
 
 

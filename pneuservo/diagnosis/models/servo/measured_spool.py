@@ -3,6 +3,7 @@
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.models.servo.command import followed_by_spool
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.supply import beyond_wander
 from pneuservo.plant.valve import Valve
@@ -33,8 +34,8 @@ def beyond_expected(fed: Feed, opening: Array, zero: float, gain: float, valve: 
     (n,) array
         [-].
     """
-    left = beyond_wander(fed.time, fed.spool_reading - (zero + gain * opening))
-    return left * shares_of_spool(fed, valve)
+    shares = shares_of_spool(fed, valve)
+    return shares * beyond_wander(fed.time, fed.spool_reading - (zero + gain * opening), shares)
 
 
 def shares_of_spool(fed: Feed, valve: Valve) -> Array:
@@ -49,7 +50,9 @@ def shares_of_spool(fed: Feed, valve: Valve) -> Array:
     -------
     (n,) array
         Less than one where a command that runs on bends between two samples, and until the spool
-        has followed it: what it did in between is not known [-].
+        has followed it: what it did in between is not known; 0 where there is no reading [-].
     """
+    _, off = followed_by_spool(fed.unseen, fed.interval, valve.spool_frequency, valve.spool_damping)
     noise = fed.noise["spool"]
-    return np.asarray(noise / np.hypot(noise, fed.unseen / valve.full_voltage))
+    there = np.isfinite(fed.spool_reading)
+    return np.where(there, noise / np.hypot(noise, off / valve.full_voltage), 0.0)

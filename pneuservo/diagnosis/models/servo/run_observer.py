@@ -132,7 +132,8 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     spool = np.zeros_like(fed.time)
     if len(fed.spool_reading):
         zero, gain = values.get(SPOOL_ZERO, 0.0), values.get(SPOOL_GAIN, 1.0)
-        spool = beyond_expected(fed, path[2], zero, gain, known[0].valve)
+        most = ASTRAY * fed.noise["spool"]
+        spool = np.clip(beyond_expected(fed, path[2], zero, gain, known[0].valve), -most, most)
     force, holding = at_rest
     spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
     excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)

@@ -332,6 +332,8 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
         left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
         shares = np.ones((len(CHANNELS), len(fed.time)))
         shares[: len(FOLLOWED)] = fed.shares.T
+        if len(fed.spool_reading):
+            shares[CHANNELS.index("spool")] = shares_of_spool(fed, single_axis(rig).valve)
         # While the piston sticks it is not judged, but there hum shows best.
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
         left[_PLACE, fed.held] = smoothed_out[fed.held]

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.models.servo.command import followed_by_spool
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.rigs import Rig
 
@@ -54,7 +55,10 @@ def spread_of_pressures(
     steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
     gas, piston = plant.gas, plant.piston
     unsure = ((time < time[0] + START) | striking).astype(float)
-    off = unseen / plant.valve.full_voltage
+    valve = plant.valve
+    interval = float(np.median(steps))
+    mean, _ = followed_by_spool(unseen, interval, valve.spool_frequency, valve.spool_damping)
+    off = mean / valve.full_voltage
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     memory = np.where(held, HELD_MEMORY, MEMORY)
     slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME

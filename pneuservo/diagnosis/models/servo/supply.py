@@ -53,7 +53,7 @@ def expected_supply(
     return expected
 
 
-def beyond_wander(time: Array, left: Array) -> Array:
+def beyond_wander(time: Array, left: Array, shares: Array | None = None) -> Array:
     """Return what a transducer's wandering zero did not make expected, as large as its noise.
 
     Parameters
@@ -61,12 +61,14 @@ def beyond_wander(time: Array, left: Array) -> Array:
     time : (n,) array
         [s].
     left : (n,) array
-        Reading less what it should be; NaN where there is none [Pa].
+        Reading less what it should be; NaN where there is none [any unit].
+    shares : (n,) array, optional
+        Noise of each reading over its spread; 1 where it is not given [-].
 
     Returns
     -------
     (n,) array
-        White where nothing is missing; 0 where there is no reading [Pa].
+        White where nothing is missing; 0 where there is no reading [unit of left].
 
     Notes
     -----
@@ -88,7 +90,8 @@ def beyond_wander(time: Array, left: Array) -> Array:
     # How well the zero is known before a reading, in noise: what a step adds is what it takes away.
     half = 0.5 * (step - (1.0 - kept**2))
     known = half + float(np.sqrt(half**2 + step))
-    followed: Array = _beyond_wander(left, kept, known / (1.0 + known))
+    certain = np.ones_like(left) if shares is None else shares**2
+    followed: Array = _beyond_wander(left, kept, known / (1.0 + known) * certain)
     return followed / np.sqrt(1.0 + known)
 
 
@@ -98,7 +101,7 @@ def _beyond_wander(left, kept, gain):
     for k in range(left.shape[0]):
         if np.isfinite(left[k]):
             found[k] = left[k] - zero
-            zero += gain * found[k]
+            zero += gain[k] * found[k]
         zero *= kept
     return found
 
