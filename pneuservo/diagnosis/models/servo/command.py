@@ -82,10 +82,11 @@ def running_command(time: Array, voltage: Array, limit: float, demand: Array | N
     >>> running_command(t, 4.0 * step, 5.0, step)[:3].tolist()
     [[0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0], [4.0, 4.0, 4.0, 4.0, 4.0]]
     """
-    parts = max(1, math.ceil(float(np.median(np.diff(time))) / FINEST_PART - 1e-9))
-    found = np.repeat(voltage[:, np.newaxis], parts + 1, axis=1)
     steps = np.diff(time)
-    gaps = steps > _GAP * float(np.median(steps))
+    interval = float(np.median(steps))
+    parts = max(1, math.ceil(interval / FINEST_PART - 1e-9))
+    found = np.repeat(voltage[:, np.newaxis], parts + 1, axis=1)
+    gaps = steps > _GAP * interval
     found[:-1][gaps] = np.linspace(voltage[:-1][gaps], voltage[1:][gaps], parts + 1, axis=1)
     ends = np.flatnonzero(gaps if demand is None else gaps | jumping(demand)) + 1
     for first, end in zip([0, *ends], [*ends, len(time)], strict=True):
@@ -196,8 +197,4 @@ def _curve(time: Array, voltage: Array, parts: int) -> Array:
     # Of evenly spaced samples, exact to the fourth order (Fornberg 1988).
     slope[1:-1] += np.diff(slope, 2) / -6.0
     curve = CubicHermiteSpline(time, voltage, slope)
-    moments = time[:-1, np.newaxis] + np.diff(time)[:, np.newaxis] * np.linspace(
-        0.0, 1.0, parts + 1
-    )
-    moments[:, -1] = time[1:]
-    return np.asarray(curve(moments))
+    return np.asarray(curve(np.linspace(time[:-1], time[1:], parts + 1, axis=1)))
