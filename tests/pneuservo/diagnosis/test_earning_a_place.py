@@ -109,6 +109,14 @@ def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over
     assert found == named
 
 
+@pytest.mark.parametrize(("apart", "named"), [(25.0, "first"), (80.0, "second")])
+def test_a_large_effect_is_not_named_by_less_than_the_simulation_is_good_for(apart, named):
+    rest = leaves(5.5e6, 22)
+    judge = ByGain(rest, rest, (), lambda name, fit: 0.0)
+    tried = {"first": leaves(apart, 24), "second": leaves(0.0, 24)}
+    assert judge.first_choice({"first": apart, "second": 0.0}, tried, tuple(tried)) == named
+
+
 @pytest.mark.parametrize(("found_before", "earns"), [(0.0, True), (3000.0, True), (5000.0, False)])
 def test_what_the_form_of_an_effect_leaves_makes_no_parameter_wrong(found_before, earns):
     current = leaves(1000.0, 24)
