@@ -206,6 +206,17 @@ class Fit:
         sensitivity[: self.samples] *= (rows / other.row_scale())[:, np.newaxis]
         return replace(other, sensitivity=sensitivity)
 
+    @property
+    def left(self) -> Array:
+        """Return weighted residuals, and below them the distances of tolerated values."""
+        return np.concatenate([self.weighted, self.distance])
+
+    @cached_property
+    def unabsorbed(self) -> Array:
+        """Return what is left beyond what a refit would absorb if all were linear."""
+        left = self.left
+        return np.asarray(left - self.absorbed @ (self.absorbed.T @ left))
+
     @cached_property
     def absorbed(self) -> Array:
         """Return an orthonormal basis of what a refit absorbs, rows as those of `sensitivity`."""

@@ -76,6 +76,8 @@ def fit(
     root mean square, so that a misfit of the model cannot overrule what is known of a parameter
     by sheer number of samples.
     """
+    if begin is Begin.NOMINAL:
+        near = None
     if fixed is None:
         best = best_start(model, cases, hypothesis, near, begin)
     else:
@@ -86,6 +88,23 @@ def fit(
         return _fitted_anew(best, hypothesis)
     vector = _settled(best, np.asarray(best.begin) / best.units, hypothesis, near)
     return _summary(hypothesis, best, vector, fixed)
+
+
+def at_nominal(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
+    """Return what a hypothesis leaves at nominal parameters, in the weights of its fit.
+
+    Parameters
+    ----------
+    model, cases
+        What was fitted to what.
+    found : Fit
+        From `fit`.
+    """
+    problem = problems_of(model, cases, found.hypothesis)[0]
+    problem.scale = found.scale
+    vector = np.asarray(problem.begin) / problem.units
+    problem.jacobian = SteadySensitivity(problem, None)(vector)
+    return _summary(found.hypothesis, problem, vector, None)
 
 
 def refitted(model: Model, cases: Sequence[Case], found: Fit) -> Fit:

@@ -12,9 +12,10 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN, SECOND_SHARE, Judge
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.pretence import Pretence
-from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promising
+from pneuservo.diagnosis.screen import promising, within_reach
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.starts import Begin
+from pneuservo.diagnosis.strained import is_strained, promises_from_nominal
 
 FITTED_FIRST = 2
 """So many candidates are fitted before the others are asked whether they can still catch up."""
@@ -57,6 +58,8 @@ class Hypotheses:
     _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
     """Candidates beside which the fit ended worse than without them."""
     _ended: set[Hypothesis] = field(default_factory=set)
+    _from_nominal: dict[str, float] = field(default_factory=dict)
+    """What effects promise if parameters that are strained are nominal after all."""
 
     @property
     def baseline(self) -> Fit:
@@ -82,11 +85,13 @@ class Hypotheses:
             self._promising[asked] = promising(
                 base, self.pretence.signatures, names, keep, self._one_sided
             )
-        found = self._promising[asked]
+        found = dict(self._promising[asked])
+        if base is self.baseline:
+            found |= {name: max(p, found.get(name, 0.0)) for name, p in self._from_nominal.items()}
         return {
             name: promise
             for name, promise in found.items()
-            if name in keep or not self._is_hopeless(name, base)
+            if name in names and (name in keep or not self._is_hopeless(name, base))
         }
 
     def _is_hopeless(self, name: str, base: Fit) -> bool:
@@ -189,20 +194,38 @@ class Hypotheses:
         return self.fits[hypothesis]
 
     def _best_fitted(
-        self, base: Fit, promises: Mapping[str, float], barred: Callable[[str, Fit], bool]
+        self,
+        base: Fit,
+        names: Sequence[str],
+        promises: Mapping[str, float],
+        barred: Callable[[str, Fit], bool],
     ) -> dict[str, Fit]:
-        """Return the fits of a base with each candidate that may still turn out the best.
+        """Return the fits of a base with each of some candidates that may turn out the best.
 
         What has promised most is fitted first; the others have to promise enough to reach it,
-        unless it is barred.
+        unless it is barred. Where parameters stay strained, what may have strained them as well.
         """
         ranked = sorted(promises, key=promises.__getitem__, reverse=True)
         found = self._fitted_with(base, {n: promises[n] for n in ranked[:FITTED_FIRST]})
-        fits = [closer for name, closer in found.items() if not barred(name, closer)]
-        reached = max((gained_most(base, closer) for closer in fits), default=0.0)
-        near = [n for n in ranked if n not in found and MOST_OVER_PROMISE * promises[n] > reached]
-        found |= self._fitted_with(base, {n: promises[n] for n in near}, reached)
-        return {name: found[name] for name in promises if name in found}
+        gains = {n: gained_most(base, f) for n, f in found.items() if not barred(n, f)}
+        best = max(gains, key=gains.__getitem__, default="")
+        reached = gains.get(best, 0.0)
+        near = within_reach(base, promises, reached, best)
+        found |= self._fitted_with(base, {n: p for n, p in near.items() if n not in found}, reached)
+        if self.model.steady and base is self.baseline and is_strained(found.get(best, base)):
+            self._look_from_nominal(names)
+            found |= self._fitted_with(base, self._from_nominal, reached)
+        return {name: found[name] for name in names if name in found}
+
+    def _look_from_nominal(self, names: Sequence[str]) -> None:
+        """Work out which effects may have strained the parameters of the baseline."""
+        if self._from_nominal:
+            return
+        self.progress("working out what each effect would change at nominal parameters")
+        found = promises_from_nominal(
+            self.model, self.cases, self.baseline, self._one_sided, self._at_a_time
+        )
+        self._from_nominal |= {name: promise for name, promise in found.items() if name in names}
 
     def _best_ended(self, base: Fit, tried: Mapping[str, Fit], judge: Judge) -> dict[str, Fit]:
         """Return fits, those that may decide carried to their ends: the best and those like it."""

@@ -29,7 +29,7 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
-from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count
+from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count, within_reach
 
 SUREST = 0.95
 """Largest probability that is claimed: the catalogue never holds everything. (Of 15 names stated
@@ -210,7 +210,7 @@ class Search(Hypotheses):
         rest = self.fitted(self._with(kept))
         promises = self._promises(rest, self._compatible(kept), keep=(member,))
         needed = explained(rest, self.chosen)
-        near = {n: p for n, p in promises.items() if n == member or MOST_OVER_PROMISE * p > needed}
+        near = within_reach(rest, promises, needed, member)
         return rest, self._fitted_with(rest, near, needed)
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
@@ -354,14 +354,15 @@ class Search(Hypotheses):
     def _best_addition(self) -> str | None:
         current = self.chosen
         judge = self._judge(current)
-        promises = self._promises(current, self._compatible(self.accepted))
+        names = self._compatible(self.accepted)
+        promises = self._promises(current, names)
         if promises_count(current):
             promises = {
                 name: promise
                 for name, promise in promises.items()
                 if MOST_OVER_PROMISE * promise > judge.least(name)
             }
-        tried = self._best_fitted(current, promises, judge.barred)
+        tried = self._best_fitted(current, names, promises, judge.barred)
         if not tried:
             return None
         tried = self._best_ended(current, tried, judge)

@@ -19,7 +19,8 @@ class Begin(Enum):
     ALONE = "with all else where it was, and the size of what is new as if that were linear"
     """Where a new effect is far from linear, what makes up for it does so at another size."""
     NOMINAL = "at the nominal parameters"
-    """Parameters that have gone far astray for want of an effect hold a fit where they are."""
+    """Parameters that have gone far astray for want of an effect hold a fit where they are, and so
+    do sensitivities that were worked out there."""
 
 
 _SMALL = 0.1
@@ -46,7 +47,7 @@ def best_start(
         From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
-    if near is not None and begin is not Begin.NOMINAL:
+    if near is not None:
         # The parameters may have gone astray for want of the effect: their nominal values as well.
         moved = [begun_at(start, near.shared, near.own) for start in starts]
         starts += moved
@@ -90,9 +91,8 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> li
         return []
     begin, unknown = np.asarray(start.begin), start.shared[place]
     change = _change(start, near, begin)
-    left = np.concatenate([near.weighted, near.distance])
     beyond = near.beyond_refit(change)
-    share = float(beyond @ left) / max(float(beyond @ beyond), 1e-300)
+    share = float(beyond @ near.left) / max(float(beyond @ beyond), 1e-300)
     if unknown.low >= 0.0:
         share = max(share, _SMALL)
     share = float(np.clip(share * begin[place], unknown.low, unknown.high)) / begin[place]
@@ -101,7 +101,7 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> li
     for way in (share, _SMALL * share):
         step = np.zeros_like(near.vector)
         if not alone:
-            step = np.linalg.lstsq(near.sensitivity, way * whole - left, rcond=None)[0]
+            step = np.linalg.lstsq(near.sensitivity, way * whole - near.left, rcond=None)[0]
         sized = begun_at(start, *near.moved(step))
         np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
         found.append(sized)
@@ -130,9 +130,8 @@ def _balanced(start: Problem, near: Fit, hypothesis: Hypothesis) -> list[Problem
         alone = nothing.copy()
         alone[place] = start.units[place]
         columns.append(np.concatenate([_change(start, near, alone), np.zeros(len(near.distance))]))
-    left = np.concatenate([near.weighted, near.distance])
     matrix = np.column_stack([near.sensitivity, -np.column_stack(columns)])
-    solution = np.linalg.lstsq(matrix, -left, rcond=None)[0]
+    solution = np.linalg.lstsq(matrix, -near.left, rcond=None)[0]
     others = near.sensitivity.shape[1]
     balanced = begun_at(start, *near.moved(solution[:others]))
     low, high = start.bounds

@@ -11,7 +11,7 @@ from pneuservo.diagnosis import search as search_module
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE, ByGain
-from pneuservo.diagnosis.screen import _adds
+from pneuservo.diagnosis.screen import _adds, within_reach
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.starts import Begin
 from pneuservo.effects import effect_by_id
@@ -182,7 +182,7 @@ def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, 
     monkeypatch.setattr(Search, "_compatible", lambda self, accepted: list(promises))
     monkeypatch.setattr(Search, "_promises", lambda self, base, names: promises)
     monkeypatch.setattr(
-        Search, "_best_fitted", lambda self, base, worth, barred: fitted.extend(worth)
+        Search, "_best_fitted", lambda self, base, names, worth, barred: fitted.extend(worth)
     )
     assert search._best_addition() is None
     assert fitted == ["load.spring"]
@@ -275,7 +275,26 @@ def test_what_is_barred_shields_nothing(monkeypatch, barred):
     promises = dict(zip(gains, (210.0, 100.0, 60.0), strict=True))
     found = tried._best_fitted(
         SimpleNamespace(gain=0.0),
+        list(gains),
         promises,
         lambda name, closer: barred and name == "param.temperature",
     )
     assert ("load.spring" in found) is barred
+
+
+@pytest.mark.parametrize(
+    ("reached", "whole", "tried"),
+    [
+        # As promised: only what may still catch up.
+        (100.0, 1000.0, {"best", "near"}),
+        # Far more than was promised, of which little was to be explained linearly: its rivals too.
+        (1000.0, 1000.0, {"best", "near", "rival"}),
+        # ... but not where what was promised was nearly everything.
+        (1000.0, 110.0, {"best"}),
+    ],
+)
+def test_rivals_of_what_gained_more_than_it_promised_are_tried(reached, whole, tried):
+    base = SimpleNamespace(scale={}, unabsorbed=np.sqrt([whole]))
+    base.in_weights = lambda scale: base
+    promises = {"best": 100.0, "near": 45.0, "rival": 34.0 if reached > 100.0 else 30.0, "far": 5.0}
+    assert set(within_reach(base, promises, reached, "best")) == tried
