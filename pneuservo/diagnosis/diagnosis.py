@@ -222,8 +222,10 @@ def _unexplained(search: Search) -> Unexplained | None:
 
 
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
+    rig = rig.with_conditions(recording.conditions)
+    recording = model.completed(recording, rig)
     model.require_channels(recording)
-    return model.cases(recording, rig.with_conditions(recording.conditions))
+    return model.cases(recording, rig)
 
 
 def _as_read(search: Search, held_back: list[Case]) -> tuple[Search, list[Case]]:

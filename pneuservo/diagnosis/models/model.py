@@ -180,6 +180,10 @@ class Model:
         """Return where a fit may begin with each parameter of an effect, by its name."""
         return {parameter.name: parameter.starts for parameter in effect.parameters}
 
+    def completed(self, recording: Recording, rig: Rig) -> Recording:
+        """Return a recording with channels that others of it can stand for."""
+        return recording
+
     def require_channels(self, recording: Recording) -> None:
         """Refuse a recording that lacks a channel this model needs.
 

@@ -44,6 +44,7 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     forces_at_rest,
     run_observer,
 )
+from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
@@ -127,6 +128,10 @@ class ServoModel(Model):
             left = np.sum(_innovations(fed, {}, cases[0].rig)[: len(PRESSURES)], axis=0)
             found["frequency"] += (sharpest_frequency(fed.time, left),)
         return found
+
+    def completed(self, recording: Recording, rig: Rig) -> Recording:
+        """Return a recording whose command and displacement may be those of the card's taps."""
+        return with_stand_ins(recording, rig)
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
