@@ -6,7 +6,7 @@ from servo_recordings import noisy, recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.models.servo.supply import beyond_wander
+from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.diagnosis.noise import wander
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate

@@ -15,7 +15,7 @@ from pneuservo.diagnosis.models.servo.command import (
     unseen,
 )
 from pneuservo.diagnosis.models.servo.motion import averaged_samples, smooth_motion
-from pneuservo.diagnosis.models.servo.spread import spread_of_pressures
+from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import (
     AVERAGED_AT_REST,
     around,
@@ -108,6 +108,8 @@ class Feed:
         What each error of expectation corrects, in the observer.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
+    spool_shares : (n,) array
+        The same of the spool's readings; empty where there are none.
     steps : (n,) array of int
         Into how many steps each interval is divided, see `pneuservo.diagnosis.models.servo.steps`.
     done : Recent
@@ -140,6 +142,7 @@ class Feed:
     unsteadiness: float = 1.0
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
+    spool_shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     steps: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64), repr=False)
     done: Recent = field(default_factory=Recent, repr=False)
 
@@ -285,7 +288,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         stuck=stuck,
         done=Recent(),
     )
-    return replace(moved, spread=_spread(moved, rig))
+    return _with_spread(moved, rig)
 
 
 def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
@@ -303,16 +306,15 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
     return np.array([known.get(n, np.full_like(time, state[places[n]])) for n in PRESSURES])
 
 
-def _spread(fed: Feed, rig: Rig) -> Array:
-    return spread_of_pressures(
-        fed.time,
-        fed.unseen,
-        fed.striking,
-        fed.held,
-        fed.noise,
-        fed.velocity_rms,
-        rig,
+def _with_spread(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed that knows how sure pressures and spool are between and at its samples."""
+    spread = spread_of_pressures(
+        fed.time, fed.unseen, fed.striking, fed.held, fed.noise, fed.velocity_rms, rig
     )
+    if not len(fed.spool_reading):
+        return replace(fed, spread=spread)
+    shares = shares_of_spool(fed.time, fed.unseen, fed.spool_reading, fed.noise["spool"], rig)
+    return replace(fed, spread=spread, spool_shares=shares)
 
 
 def _closed(samples: Array, time: Array) -> Array:
@@ -357,7 +359,7 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     rests = np.where(fed.touching, fed.resting, 0)
     stuck = np.zeros_like(fed.stuck)
     freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck, done=Recent())
-    return replace(freed, spread=_spread(freed, rig))
+    return _with_spread(freed, rig)
 
 
 def with_held_command(fed: Feed, rig: Rig) -> Feed:
@@ -373,4 +375,4 @@ def with_held_command(fed: Feed, rig: Rig) -> Feed:
     held = replace(
         fed, command=held_command(fed.voltage), unseen=np.zeros_like(fed.time), done=Recent()
     )
-    return replace(held, spread=_spread(held, rig))
+    return _with_spread(held, rig)

@@ -14,7 +14,8 @@ from pneuservo.diagnosis.models.servo.motion import averaged
 from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.diagnosis.models.servo.steps import FINEST, dividing, steps_beside
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
-from pneuservo.diagnosis.models.servo.supply import beyond_wander, expected_supply
+from pneuservo.diagnosis.models.servo.supply import expected_supply
+from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
@@ -133,7 +134,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     if len(fed.spool_reading):
         zero, gain = values.get(SPOOL_ZERO, 0.0), values.get(SPOOL_GAIN, 1.0)
         most = ASTRAY * fed.noise["spool"]
-        spool = np.clip(beyond_expected(fed, path[2], zero, gain, known[0].valve), -most, most)
+        spool = np.clip(beyond_expected(fed, path[2], zero, gain), -most, most)
     force, holding = at_rest
     spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
     excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)

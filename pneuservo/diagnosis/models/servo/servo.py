@@ -34,7 +34,6 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     SPOOL_GAIN,
     SPOOL_ZERO,
     ZERO_SPREAD,
-    shares_of_spool,
 )
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import (
@@ -51,7 +50,6 @@ from pneuservo.diagnosis.models.servo.tables import tables_of
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
-from pneuservo.plant.from_rig import single_axis
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
@@ -338,7 +336,7 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
         shares = np.ones((len(CHANNELS), len(fed.time)))
         shares[: len(FOLLOWED)] = fed.shares.T
         if len(fed.spool_reading):
-            shares[CHANNELS.index("spool")] = shares_of_spool(fed, single_axis(rig).valve)
+            shares[CHANNELS.index("spool")] = fed.spool_shares
         # While the piston sticks it is not judged, but there hum shows best.
         smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
         left[_PLACE, fed.held] = smoothed_out[fed.held]
@@ -368,8 +366,7 @@ def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
     for channel, shares in zip(FOLLOWED, fed.shares.T, strict=True):
         yield channel, squares[CHANNELS.index(channel)], shares
     if len(fed.spool_reading):
-        shares = shares_of_spool(fed, single_axis(case.rig).valve)
-        yield "spool", squares[CHANNELS.index("spool")], shares
+        yield "spool", squares[CHANNELS.index("spool")], fed.spool_shares
 
 
 def _level(squares: Array, shares: Array, calm: NDArray[np.bool_]) -> float:

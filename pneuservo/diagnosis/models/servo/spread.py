@@ -1,10 +1,11 @@
-"""How fast what is known of a pressure fades."""
+"""How fast what is known of a pressure fades, and how sure it is where a spool should be."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.command import followed_by_spool
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
+from pneuservo.plant.valve import Valve
 from pneuservo.rigs import Rig
 
 Array = NDArray[np.float64]
@@ -55,10 +56,7 @@ def spread_of_pressures(
     steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
     gas, piston = plant.gas, plant.piston
     unsure = ((time < time[0] + START) | striking).astype(float)
-    valve = plant.valve
-    interval = float(np.median(steps))
-    mean, _ = followed_by_spool(unseen, interval, valve.spool_frequency, valve.spool_damping)
-    off = mean / valve.full_voltage
+    off, _ = _unseen_opening(time, unseen, plant.valve)
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     memory = np.where(held, HELD_MEMORY, MEMORY)
     slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME
@@ -76,3 +74,38 @@ def spread_of_pressures(
         # While it moves, the observer has a speed of its own.
         found[-1] += held * (drawn_in * velocity_rms) ** 2 * steps * MOTION_MEMORY
     return np.array(found)
+
+
+def shares_of_spool(time: Array, unseen: Array, reading: Array, noise: float, rig: Rig) -> Array:
+    """Return the noise of each reading of the spool over the spread of what is beyond expected.
+
+    Parameters
+    ----------
+    time, unseen
+        As in `spread_of_pressures`.
+    reading : (n,) array
+        Of the spool's transducer; NaN where there is none [-].
+    noise : float
+        Of the reading [-].
+    rig : Rig
+        The rig.
+
+    Returns
+    -------
+    (n,) array
+        Less than one where a command that runs on bends between two samples, and until the spool
+        has followed it: what it did in between is not known; 0 where there is no reading [-].
+    """
+    from pneuservo.plant.from_rig import single_axis
+
+    _, off = _unseen_opening(time, unseen, single_axis(rig).valve)
+    return np.where(np.isfinite(reading), noise / np.hypot(noise, off), 0.0)
+
+
+def _unseen_opening(time: Array, unseen: Array, valve: Valve) -> tuple[Array, Array]:
+    """Return by how much the opening may be off: its mean in each interval, and at each sample."""
+    interval = float(np.median(np.diff(time)))
+    mean, at_samples = followed_by_spool(
+        unseen, interval, valve.spool_frequency, valve.spool_damping
+    )
+    return mean / valve.full_voltage, at_samples / valve.full_voltage
