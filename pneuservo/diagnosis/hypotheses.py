@@ -58,8 +58,8 @@ class Hypotheses:
     _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
     """Candidates beside which the fit ended worse than without them."""
     _ended: set[Hypothesis] = field(default_factory=set)
-    _from_nominal: dict[str, float] = field(default_factory=dict)
-    """What effects promise if parameters that are strained are nominal after all."""
+    _from_nominal: Mapping[str, float] | None = None
+    """What effects promise if parameters that are strained are nominal after all, once asked."""
 
     @property
     def baseline(self) -> Fit:
@@ -86,7 +86,7 @@ class Hypotheses:
                 base, self.pretence.signatures, names, keep, self._one_sided
             )
         found = dict(self._promising[asked])
-        if base is self.baseline:
+        if base is self.baseline and self._from_nominal:
             found |= {name: max(p, found.get(name, 0.0)) for name, p in self._from_nominal.items()}
         return {
             name: promise
@@ -207,25 +207,29 @@ class Hypotheses:
         """
         ranked = sorted(promises, key=promises.__getitem__, reverse=True)
         found = self._fitted_with(base, {n: promises[n] for n in ranked[:FITTED_FIRST]})
-        gains = {n: gained_most(base, f) for n, f in found.items() if not barred(n, f)}
-        best = max(gains, key=gains.__getitem__, default="")
-        reached = gains.get(best, 0.0)
-        near = within_reach(base, promises, reached, best)
+        gains = {"": 0.0}
+
+        def best() -> str:
+            fits = {n: f for n, f in found.items() if n not in gains and not barred(n, f)}
+            gains.update({n: gained_most(base, f) for n, f in fits.items()})
+            return max(gains, key=gains.__getitem__)
+
+        reached = gains[best()]
+        near = within_reach(base, promises, reached, best())
         found |= self._fitted_with(base, {n: p for n, p in near.items() if n not in found}, reached)
-        if self.model.steady and base is self.baseline and is_strained(found.get(best, base)):
-            self._look_from_nominal(names)
-            found |= self._fitted_with(base, self._from_nominal, reached)
+        if self.model.steady and base is self.baseline and is_strained(found.get(best(), base)):
+            found |= self._fitted_with(base, self._promised_from_nominal(names), gains[best()])
         return {name: found[name] for name in names if name in found}
 
-    def _look_from_nominal(self, names: Sequence[str]) -> None:
-        """Work out which effects may have strained the parameters of the baseline."""
-        if self._from_nominal:
-            return
-        self.progress("working out what each effect would change at nominal parameters")
-        found = promises_from_nominal(
-            self.model, self.cases, self.baseline, self._one_sided, self._at_a_time
-        )
-        self._from_nominal |= {name: promise for name, promise in found.items() if name in names}
+    def _promised_from_nominal(self, names: Sequence[str]) -> Mapping[str, float]:
+        """Return which of some effects may have strained the parameters of the baseline."""
+        if self._from_nominal is None:
+            self.progress("working out what each effect would change at nominal parameters")
+            found = promises_from_nominal(
+                self.model, self.cases, self.baseline, self._one_sided, self._at_a_time
+            )
+            self._from_nominal = {n: promise for n, promise in found.items() if n in names}
+        return self._from_nominal
 
     def _best_ended(self, base: Fit, tried: Mapping[str, Fit], judge: Judge) -> dict[str, Fit]:
         """Return fits, those that may decide carried to their ends: the best and those like it."""

@@ -5,9 +5,9 @@ from pneuservo.effects.effect import Effect, EffectParameter
 _RIGS = ("single-axis",)
 _BLOCK = "valve.flow"
 _ERROR = "relative error of the area at"
-_LEAST_OVERLAP = 3e-3
-"""Real edges overlap by 0.3 to 3 % (0.6 % measured, thesis section 4.3.1); less is what laws of
-flow at openings of some millivolts differ by."""
+_LEAST_OVERLAP = 5e-4
+"""Edges are ground to about a micrometre, of half a millimetre of travel 0.2 % (0.6 % measured,
+thesis section 4.3.1); far less is what laws of flow at openings of some millivolts differ by."""
 
 OVERLAP = Effect(
     id="valve.overlap",
