@@ -76,8 +76,6 @@ def fit(
     root mean square, so that a misfit of the model cannot overrule what is known of a parameter
     by sheer number of samples.
     """
-    if begin is Begin.NOMINAL:
-        near = None
     if fixed is None:
         best = best_start(model, cases, hypothesis, near, begin)
     else:

@@ -19,8 +19,7 @@ class Begin(Enum):
     ALONE = "with all else where it was, and the size of what is new as if that were linear"
     """Where a new effect is far from linear, what makes up for it does so at another size."""
     NOMINAL = "at the nominal parameters"
-    """Parameters that have gone far astray for want of an effect hold a fit where they are, and so
-    do sensitivities that were worked out there."""
+    """Parameters that have gone far astray for want of an effect hold a fit where they are."""
 
 
 _SMALL = 0.1
@@ -47,7 +46,7 @@ def best_start(
         From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
-    if near is not None:
+    if near is not None and begin is not Begin.NOMINAL:
         # The parameters may have gone astray for want of the effect: their nominal values as well.
         moved = [begun_at(start, near.shared, near.own) for start in starts]
         starts += moved

@@ -5,6 +5,9 @@ from pneuservo.effects.effect import Effect, EffectParameter
 _RIGS = ("single-axis",)
 _BLOCK = "valve.spool"
 
+_LEAST_BIAS = 2e-4
+"""A fiftieth of what data sheets allow; less is what a magnet that remembers leaves at null."""
+
 NULL_BIAS = Effect(
     id="spool.null-bias",
     block=_BLOCK,
@@ -13,12 +16,13 @@ NULL_BIAS = Effect(
     equation="xs = G(s) (u/5 V + bias)",
     parameters=(
         EffectParameter(
-            "bias", "", 0.0, -0.03, 0.03, (0.005,), "opening at zero command", "spool.null_bias"
+            "bias", "", 0.0, -0.03, 0.03, (0.005,), "opening at zero command",
+            "spool.null_bias", least=_LEAST_BIAS,
         ),
     ),
     source="Merritt 1967, Hydraulic Control Systems; valve data sheet +-1 %",
     experiment="repeat with 5 kg added: a bias keeps its sign, a leak past the piston does not",
-)
+)  # fmt: skip
 HYSTERESIS = Effect(
     id="spool.hysteresis",
     block=_BLOCK,
