@@ -89,9 +89,9 @@ class Hypotheses:
         if base is self.baseline and self._from_nominal:
             found |= {name: max(p, found.get(name, 0.0)) for name, p in self._from_nominal.items()}
         return {
-            name: promise
-            for name, promise in found.items()
-            if name in names and (name in keep or not self._is_hopeless(name, base))
+            name: found[name]
+            for name in names
+            if name in found and (name in keep or not self._is_hopeless(name, base))
         }
 
     def _is_hopeless(self, name: str, base: Fit) -> bool:
@@ -144,27 +144,37 @@ class Hypotheses:
         return max(parts, key=lambda found: len(found.hypothesis.members), default=None)
 
     def _fitted_with(
-        self, base: Fit, promises: Mapping[str, float], reached: float = 0.0
+        self, base: Fit, promises: Mapping[str, float], reached: float = 0.0, again: bool = False
     ) -> dict[str, Fit]:
         """Return the fits of a base with each of some candidates added.
 
-        What promises far less than what has been reached is not worth a second try.
+        What promises far less than what has been reached is not worth a second try, nor what has
+        been fitted already, unless it is to be tried again for a promise that it has made since.
         """
 
         def add(name: str) -> Fit:
             hypothesis = base.hypothesis.adding(name)
-            return self._keeping(promises[name], base, hypothesis, reached)
+            return self._keeping(promises[name], base, hypothesis, reached, again)
 
         names = list(promises)
         found = dict(zip(names, side_by_side(add, names, self._at_a_time), strict=True))
         for name, closer in found.items():
             if self.model.steady and explained(base, closer) < -DECISIVE:
                 self._hopeless.setdefault(name, []).append(base.hypothesis)
+            elif again:
+                self._hopeless.pop(name, None)
         return found
 
-    def _keeping(self, promise: float, base: Fit, hypothesis: Hypothesis, reached: float) -> Fit:
+    def _keeping(
+        self,
+        promise: float,
+        base: Fit,
+        hypothesis: Hypothesis,
+        reached: float,
+        again: bool = False,
+    ) -> Fit:
         """Return the fit of a hypothesis, carried to its end where it breaks what it promised."""
-        known = hypothesis in self.fits
+        known = hypothesis in self.fits and not again
         found = self.fitted(hypothesis, base)
         # Where sensitivities are not steady nothing was promised.
         if known or math.isinf(promise) or promise <= max(LEAST_GAIN, LEAST_KEPT * reached):
@@ -172,9 +182,9 @@ class Hypotheses:
         for begin in (Begin.ALONE, Begin.NOMINAL):
             if gained_most(base, found) >= LEAST_KEPT * promise:
                 break
-            again = fit(self.model, self.cases, hypothesis, base, begin=begin)
-            if explained(found, again) > 0.0:
-                self.fits[hypothesis] = again
+            other = fit(self.model, self.cases, hypothesis, base, begin=begin)
+            if explained(found, other) > 0.0:
+                self.fits[hypothesis] = other
                 self._ended.discard(hypothesis)
             found = self.ended(hypothesis)
         return found
@@ -207,28 +217,25 @@ class Hypotheses:
         """
         ranked = sorted(promises, key=promises.__getitem__, reverse=True)
         found = self._fitted_with(base, {n: promises[n] for n in ranked[:FITTED_FIRST]})
-        gains = {"": 0.0}
-
-        def best() -> str:
-            fits = {n: f for n, f in found.items() if n not in gains and not barred(n, f)}
-            gains.update({n: gained_most(base, f) for n, f in fits.items()})
-            return max(gains, key=gains.__getitem__)
-
-        reached = gains[best()]
-        near = within_reach(base, promises, reached, best())
+        best, reached = _best_of(base, found, barred)
+        near = within_reach(base, promises, reached, best)
         found |= self._fitted_with(base, {n: p for n, p in near.items() if n not in found}, reached)
-        if self.model.steady and base is self.baseline and is_strained(found.get(best(), base)):
-            found |= self._fitted_with(base, self._promised_from_nominal(names), gains[best()])
+        if self.model.steady and base is self.baseline:
+            # A parameter that is let go is strained no more, whatever strained it.
+            effects = {n: closer for n, closer in found.items() if not n.startswith("param.")}
+            best, reached = _best_of(base, effects, barred)
+            if is_strained(effects.get(best, base)):
+                hidden = self._promised_from_nominal(names)
+                found |= self._fitted_with(base, hidden, reached, again=True)
         return {name: found[name] for name in names if name in found}
 
     def _promised_from_nominal(self, names: Sequence[str]) -> Mapping[str, float]:
         """Return which of some effects may have strained the parameters of the baseline."""
         if self._from_nominal is None:
             self.progress("working out what each effect would change at nominal parameters")
-            found = promises_from_nominal(
-                self.model, self.cases, self.baseline, self._one_sided, self._at_a_time
+            self._from_nominal = promises_from_nominal(
+                self.model, self.cases, self.baseline, names, self._one_sided, self._at_a_time
             )
-            self._from_nominal = {n: promise for n, promise in found.items() if n in names}
         return self._from_nominal
 
     def _best_ended(self, base: Fit, tried: Mapping[str, Fit], judge: Judge) -> dict[str, Fit]:
@@ -242,3 +249,12 @@ class Hypotheses:
             else closer
             for name, closer in tried.items()
         }
+
+
+def _best_of(
+    base: Fit, found: Mapping[str, Fit], barred: Callable[[str, Fit], bool]
+) -> tuple[str, float]:
+    """Return the candidate that gains most and what it gains; none if nothing does."""
+    gains = {n: gained_most(base, closer) for n, closer in found.items() if not barred(n, closer)}
+    best = max(gains, key=gains.__getitem__, default="")
+    return (best, gains[best]) if gains.get(best, 0.0) > 0.0 else ("", 0.0)

@@ -92,7 +92,7 @@ def within_reach(
     base : Fit
         What they are added to.
     promises : mapping of str to float
-        From `promising`.
+        From `promising`, or from nominal parameters.
     reached : float
         What has been explained.
     by : str
@@ -109,7 +109,8 @@ def within_reach(
     as_near = {n for n, p in promises.items() if MOST_OVER_PROMISE * p > promised}
     if not as_near <= near:
         whole = float(np.sum(_in_noise(base).unabsorbed ** 2))
-        near |= {n for n in as_near if whole - promises[n] < MOST_LEFT * (whole - promised)}
+        left = max(whole - promised, 0.0)
+        near |= {n for n in as_near if whole - promises[n] < MOST_LEFT * left}
     return {name: promise for name, promise in promises.items() if name in near}
 
 

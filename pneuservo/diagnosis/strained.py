@@ -29,7 +29,12 @@ def is_strained(base: Fit) -> bool:
 
 
 def promises_from_nominal(
-    model: Model, cases: Sequence[Case], base: Fit, one_sided: Collection[str], jobs: int = 1
+    model: Model,
+    cases: Sequence[Case],
+    base: Fit,
+    names: Collection[str],
+    one_sided: Collection[str],
+    jobs: int = 1,
 ) -> dict[str, float]:
     """Return what effects promise to explain beyond a baseline if parameters are nominal after all.
 
@@ -39,6 +44,8 @@ def promises_from_nominal(
         What is fitted to what.
     base : Fit
         Of the baseline, its parameters strained.
+    names : collection of str
+        Candidates; what is no effect is passed over.
     one_sided : collection of str
         Effects whose size cannot be negative.
     jobs : int, optional
@@ -59,9 +66,10 @@ def promises_from_nominal(
     nominal = at_nominal(model, cases, base)
     more = float(np.sum(base.left**2) - np.sum(nominal.unabsorbed**2))
     signatures = signatures_of(model, cases, nominal, jobs)
+    effects = [name for name in signatures if name in names]
     found = {
         name: more + score
-        for name, score in scores(nominal, signatures, list(signatures), one_sided).items()
+        for name, score in scores(nominal, signatures, effects, one_sided).items()
         if more + score > LEAST_PROMISE
     }
     best = sorted(found, key=found.__getitem__, reverse=True)[:WORTH_FITTING]

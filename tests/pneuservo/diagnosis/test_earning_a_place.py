@@ -268,7 +268,7 @@ def test_what_is_barred_shields_nothing(monkeypatch, barred):
     monkeypatch.setattr(
         tried,
         "_fitted_with",
-        lambda base, promises, reached=0.0: {
+        lambda base, promises, reached=0.0, again=False: {
             name: SimpleNamespace(gain=gains[name]) for name in promises
         },
     )
@@ -298,3 +298,27 @@ def test_rivals_of_what_gained_more_than_it_promised_are_tried(reached, whole, t
     base.in_weights = lambda scale: base
     promises = {"best": 100.0, "near": 45.0, "rival": 34.0 if reached > 100.0 else 30.0, "far": 5.0}
     assert set(within_reach(base, promises, reached, "best")) == tried
+
+
+@pytest.mark.parametrize("strained", [True, False])
+def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained):
+    base = SimpleNamespace(gain=0.0, strained=strained, hypothesis=Hypothesis())
+    name = "spool.amplitude-bandwidth"
+    fits = {"param.load.mass": 40.0, name: 20.0}
+    monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    monkeypatch.setattr(hypotheses, "is_strained", lambda fit: fit.strained)
+    monkeypatch.setattr(hypotheses, "within_reach", lambda base, promises, reached, by: promises)
+    monkeypatch.setattr(hypotheses, "promises_from_nominal", lambda *given: {name: 4000.0})
+    begun = SimpleNamespace(gain=900.0, strained=False)
+    monkeypatch.setattr(hypotheses, "fit", lambda *args, **how: begun)
+    monkeypatch.setattr(hypotheses, "polished", lambda model, cases, found: found)
+    tried = Hypotheses(SimpleNamespace(steady=True, effects=()), [])
+    tried.fits[Hypothesis()] = base
+    for member, gain in fits.items():
+        # What was fitted beside strained parameters already is tried again.
+        found = SimpleNamespace(gain=gain, strained=strained and member == name)
+        tried.fits[Hypothesis().adding(member)] = found
+    promises = {"param.load.mass": 40.0, name: 30.0}
+    found = tried._best_fitted(base, list(fits), promises, lambda name, closer: False)
+    assert found[name].gain == (900.0 if strained else 20.0)

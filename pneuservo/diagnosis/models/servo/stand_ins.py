@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pneuservo.controllers.requirements import sensitivity
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -24,7 +26,8 @@ def with_stand_ins(recording: Recording, rig: Rig) -> Recording:
 
     Notes
     -----
-    The card's output is the command of the valve's driver, and its input is the voltage of the
+    The card's output is the command of the valve's driver, which goes no farther than full opening
+    asks for, and its input is the voltage of the
     displacement transducer: 0 V at the retracted stop, its range at the other (thesis section 3.5).
 
     Examples
@@ -38,13 +41,14 @@ def with_stand_ins(recording: Recording, rig: Rig) -> Recording:
     """
     channels, noise = dict(recording.channels), dict(recording.noise_rms)
     warnings = list(recording.warnings)
-    for name, tap, volts in (
-        ("valve_voltage", "card_output", 1.0),
-        ("displacement", "card_sensor", sensitivity(rig)),
+    driver = rig["valve.full_voltage"]
+    for name, tap, volts, limit in (
+        ("valve_voltage", "card_output", 1.0, driver),
+        ("displacement", "card_sensor", sensitivity(rig), np.inf),
     ):
         if name in channels or tap not in channels:
             continue
-        channels[name] = channels[tap] / volts
+        channels[name] = np.clip(channels[tap] / volts, -limit, limit)
         if tap in noise:
             noise[name] = noise[tap] / volts
         warnings.append(f"{name} was not recorded: taken from {tap}")
