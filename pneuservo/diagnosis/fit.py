@@ -206,6 +206,11 @@ class Fit:
         sensitivity[: self.samples] *= (rows / other.row_scale())[:, np.newaxis]
         return replace(other, sensitivity=sensitivity)
 
+    @cached_property
+    def in_noise(self) -> "Fit":
+        """Return this fit with every residual counted in the noise of its channel alone."""
+        return self.in_weights(dict.fromkeys(self.scale, 1.0))
+
     @property
     def left(self) -> Array:
         """Return weighted residuals, and below them the distances of tolerated values."""

@@ -84,7 +84,7 @@ def fit(
             return _summary(hypothesis, best, np.empty(0), fixed)
     if near is None and fixed is None:
         return _fitted_anew(best, hypothesis)
-    vector = _settled(best, np.asarray(best.begin) / best.units, hypothesis, near)
+    vector = _settled(best, best.first, hypothesis, near)
     return _summary(hypothesis, best, vector, fixed)
 
 
@@ -98,11 +98,14 @@ def at_nominal(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
     found : Fit
         From `fit`.
     """
-    problem = problems_of(model, cases, found.hypothesis)[0]
-    problem.scale = found.scale
-    vector = np.asarray(problem.begin) / problem.units
-    problem.jacobian = SteadySensitivity(problem, None)(vector)
-    return _summary(found.hypothesis, problem, vector, None)
+    problem = _problem_of(model, cases, found)
+    problem.jacobian = SteadySensitivity(problem, None)(problem.first)
+    return _summary(found.hypothesis, problem, problem.first, None)
+
+
+def _problem_of(model: Model, cases: Sequence[Case], found: Fit) -> Problem:
+    """Return the problem that a fit has solved, begun anew in the weights of the fit."""
+    return replace(problems_of(model, cases, found.hypothesis)[0], scale=found.scale)
 
 
 def refitted(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
@@ -125,7 +128,7 @@ def refitted(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
 
 def _fitted_anew(problem: Problem, hypothesis: Hypothesis) -> Fit:
     """Return a fit with sensitivities of its own."""
-    vector = _settled(problem, np.asarray(problem.begin) / problem.units, hypothesis, None)
+    vector = _settled(problem, problem.first, hypothesis, None)
     return _summary(hypothesis, problem, vector, None)
 
 
@@ -168,9 +171,8 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
     worst = max(rms([r]) for c, r in zip(cases, found.residuals, strict=True) if c.recorded)
     if worst < _WORTH_LOOKING:
         return found
-    problem = begun_at(problems_of(model, cases, found.hypothesis)[0], found.shared, found.own)
-    problem.scale = found.scale
-    here = np.asarray(problem.begin) / problem.units
+    problem = begun_at(_problem_of(model, cases, found), found.shared, found.own)
+    here = problem.first
 
     def beyond(move: tuple[int, float]) -> tuple[float, Array]:
         place, away = move
@@ -208,10 +210,9 @@ def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
         From `fit`; where sensitivities were kept from a similar fit it may have stopped on a ridge
         along which two values make up for each other.
     """
-    problem = begun_at(problems_of(model, cases, found.hypothesis)[0], found.shared, found.own)
-    problem.scale = found.scale
-    begin = np.asarray(problem.begin) / problem.units
-    return _summary(found.hypothesis, problem, _solve(problem, begin, found.hypothesis, None), None)
+    problem = begun_at(_problem_of(model, cases, found), found.shared, found.own)
+    vector = _solve(problem, problem.first, found.hypothesis, None)
+    return _summary(found.hypothesis, problem, vector, None)
 
 
 def _hopeless(problem: Problem, vector: Array, near: Fit) -> bool:

@@ -61,6 +61,11 @@ class Problem:
             self.begin = self.start
 
     @property
+    def first(self) -> Array:
+        """Return where the fit begins, in units of the fit."""
+        return np.asarray(self.begin) / self.units
+
+    @property
     def keys(self) -> list[str]:
         """Return the name of each unknown, told apart by case where it is a case's own."""
         return column_names([u.key for u in self.shared], [[u.key for u in o] for o in self.own])

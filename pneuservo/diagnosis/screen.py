@@ -64,7 +64,7 @@ def promising(
     effect has made to look noisy counts fully.
     """
     as_fitted, as_noise = (
-        scores(weighed, signatures, names, one_sided) for weighed in (base, _in_noise(base))
+        scores(weighed, signatures, names, one_sided) for weighed in (base, base.in_noise)
     )
     worth = sorted(
         (n for n in names if max(as_fitted[n], as_noise[n]) > _least_promise(n, base)),
@@ -108,7 +108,7 @@ def within_reach(
     near = {n for n, p in promises.items() if n == by or MOST_OVER_PROMISE * p > reached}
     as_near = {n for n, p in promises.items() if MOST_OVER_PROMISE * p > promised}
     if not as_near <= near:
-        whole = float(np.sum(_in_noise(base).unabsorbed ** 2))
+        whole = float(np.sum(base.in_noise.unabsorbed**2))
         left = max(whole - promised, 0.0)
         near |= {n for n in as_near if whole - promises[n] < MOST_LEFT * left}
     return {name: promise for name, promise in promises.items() if name in near}
@@ -128,10 +128,6 @@ def promises_count(base: Fit) -> bool:
         if FEW * base.samples < samples and worth < SMOOTH * samples:
             return False
     return True
-
-
-def _in_noise(base: Fit) -> Fit:
-    return base.in_weights(dict.fromkeys(base.scale, 1.0))
 
 
 def _least_promise(name: str, base: Fit) -> float:

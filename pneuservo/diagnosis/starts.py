@@ -73,8 +73,7 @@ def least_of(starts: Sequence[Problem]) -> Problem:
 
 
 def _cost(start: Problem) -> float:
-    begin = np.asarray(start.begin) / start.units
-    return float(np.sum(np.concatenate(start.residuals(begin)) ** 2))
+    return float(np.sum(np.concatenate(start.residuals(start.first)) ** 2))
 
 
 def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> list[Problem]:

@@ -294,8 +294,7 @@ def test_what_is_barred_shields_nothing(monkeypatch, barred):
     ],
 )
 def test_rivals_of_what_gained_more_than_it_promised_are_tried(reached, whole, tried):
-    base = SimpleNamespace(scale={}, unabsorbed=np.sqrt([whole]))
-    base.in_weights = lambda scale: base
+    base = SimpleNamespace(in_noise=SimpleNamespace(unabsorbed=np.sqrt([whole])))
     promises = {"best": 100.0, "near": 45.0, "rival": 34.0 if reached > 100.0 else 30.0, "far": 5.0}
     assert set(within_reach(base, promises, reached, "best")) == tried
 
