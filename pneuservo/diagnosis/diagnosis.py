@@ -12,7 +12,13 @@ from pneuservo.diagnosis.fitting import beyond_ridges, fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
-from pneuservo.diagnosis.readings import Reading, likelier_with, likeliest_followed, ranked_readings
+from pneuservo.diagnosis.readings import (
+    Reading,
+    likelier_with,
+    likeliest_followed,
+    likeliest_read,
+    ranked_readings,
+)
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
 from pneuservo.errors import InputError
@@ -256,8 +262,7 @@ def _as_read(search: Search, held_back: list[Case]) -> tuple[Search, list[Case]]
 def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Search, list[Case]]:
     """Return a search in recordings as they are read and best followed, begun."""
     model = search.model
-    # What is held back may have nothing to judge in the reading that is not asked for.
-    held = model.readings(held_back)[reading.place] if reading.place else held_back
+    held = likeliest_read(model, held_back, reading.baseline, reading.cases[0])
     cases, held, baseline = likeliest_followed(
         model, reading.cases, held, reading.baseline, search.progress
     )

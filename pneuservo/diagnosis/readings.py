@@ -1,13 +1,13 @@
 """How recordings are to be read and followed: where they do not say, what fits better is taken."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pneuservo.diagnosis.fit import Fit, gained_most
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Values
+from pneuservo.diagnosis.models.model import Levels, Values
 from pneuservo.diagnosis.problem import values_in_each
 
 Cases = Sequence[Case]
@@ -19,8 +19,6 @@ class Reading:
 
     Parameters
     ----------
-    place : int
-        Of that way among those of the model.
     cases : sequence of Case
         As they are then.
     baseline : Fit or None
@@ -30,7 +28,6 @@ class Reading:
         way leaves all over is forgiven.
     """
 
-    place: int
     cases: Cases
     baseline: Fit | None = None
     unlikely: float = 0.0
@@ -52,21 +49,49 @@ def ranked_readings(
 
     Notes
     -----
-    All recordings are read in the same way. The baseline is fitted first: parameters that are off
-    would decide instead, by whatever factor. A misfit that all of them leave all over is no
-    argument for any.
+    The baseline is fitted first: parameters that are off would decide instead, by whatever factor.
+    A misfit that all of them leave all over is no argument for any. Recordings of one rig may have
+    to be read in different ways, for a relay that samples may have been followed by an analogue
+    loop; each in its likeliest is a way of its own.
     """
     if len(readings) == 1:
-        return [Reading(0, readings[0])]
+        return [Reading(readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
-    fits = _fitted_in_turn(model, readings, None)
+    ways = list(readings)
+    fits = _fitted_in_turn(model, ways, None)
+    unlikely = _unlikely(model, ways, fits)
+    mixed = _likeliest_of_each(ways, unlikely)
+    if not any(_are_the_same(mixed, way) for way in ways):
+        best = min(range(len(ways)), key=lambda n: sum(unlikely[n].values()))
+        ways.append(mixed)
+        fits.append(refitted(model, mixed, fits[best]))
+        unlikely = _unlikely(model, ways, fits)
     found = [
-        Reading(place, cases, baseline, unlikely)
-        for place, (cases, baseline, unlikely) in enumerate(
-            zip(readings, fits, _unlikely(model, readings, fits), strict=True)
-        )
+        Reading(way, baseline, sum(each.values()))
+        for way, baseline, each in zip(ways, fits, unlikely, strict=True)
     ]
     return sorted(found, key=lambda reading: reading.unlikely)
+
+
+def likeliest_read(model: Model, held_back: Cases, baseline: Fit | None, first: Case) -> list[Case]:
+    """Return recordings that are held back, each as it is likelier to be read.
+
+    Parameters
+    ----------
+    model : Model
+        What was fitted.
+    held_back : sequence of Case
+        Recordings to which nothing is fitted.
+    baseline : Fit or None
+        Fitted to what is used; None where there is one way to read it.
+    first : Case
+        The first of those.
+    """
+    if baseline is None or not held_back:
+        return list(held_back)
+    ways = model.readings(held_back)
+    values = [_values_held(way, first, baseline) for way in ways]
+    return _likeliest_of_each(ways, _unlikely_given(model, ways, values))
 
 
 def likelier_with(
@@ -105,26 +130,48 @@ def likelier_with(
     fits = [named]
     fits += [fit(model, r.cases, named.hypothesis, r.baseline) for r in tried[1:]]
     unlikely = _unlikely(model, [reading.cases for reading in tried], fits)
-    best = tried[unlikely.index(min(unlikely))]
+    best = min(zip(tried, unlikely, strict=True), key=lambda each: sum(each[1].values()))[0]
     return None if best is first else best
 
 
-def _unlikely(model: Model, ways: Sequence[Cases], fits: Sequence[Fit]) -> list[float]:
-    """Return how unlikely recordings are in each of some ways.
+def _unlikely(model: Model, ways: Sequence[Cases], fits: Sequence[Fit]) -> list[dict[int, float]]:
+    """Return how unlikely each recording is in each of some ways, at fits to these."""
+    return _unlikely_given(model, ways, [_values(*each) for each in zip(ways, fits, strict=True)])
+
+
+def _unlikely_given(
+    model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
+) -> list[dict[int, float]]:
+    """Return how unlikely each recording is in each of some ways.
 
     Residuals count in what is left all over, so that this decides nothing; but those of a recording
     of which one of the ways leaves no more than noise, in any channel, count in noise.
     """
-    values = [_values(*each) for each in zip(ways, fits, strict=True)]
     found = [model.levels(way, known) for way, known in zip(ways, values, strict=True)]
     misfits = [{key[0] for key, level in levels.items() if level > 1.0} for levels in found]
     forgiven = set.intersection(*misfits)
     return [
-        model.unlikeliness(
-            way, known, {k: level if k[0] in forgiven else 1.0 for k, level in levels.items()}
+        _by_recording(
+            model,
+            way,
+            known,
+            {k: level if k[0] in forgiven else 1.0 for k, level in levels.items()},
         )
         for way, known, levels in zip(ways, values, found, strict=True)
     ]
+
+
+def _by_recording(
+    model: Model, cases: Cases, values: Sequence[Values], levels: Levels | None = None
+) -> dict[int, float]:
+    """Return how unlikely each recording is."""
+    found = {}
+    for recording in dict.fromkeys(id(case.origin) for case in cases):
+        mine = [i for i, case in enumerate(cases) if id(case.origin) == recording]
+        found[recording] = model.unlikeliness(
+            [cases[i] for i in mine], [values[i] for i in mine], levels
+        )
+    return found
 
 
 def likeliest_followed(
@@ -157,17 +204,19 @@ def likeliest_followed(
         return list(cases), list(held_back), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
     fits = _fitted_in_turn(model, ways, baseline)
-    chosen = _likeliest_of_each(
-        model, ways, [_values(*each) for each in zip(ways, fits, strict=True)]
-    )
+    unlikely = [
+        _by_recording(model, way, _values(way, found))
+        for way, found in zip(ways, fits, strict=True)
+    ]
+    chosen = _likeliest_of_each(ways, unlikely)
     held_ways = model.followed(held_back)
-    held_values = [
-        values_in_each(way, cases[0], found.shared, [{}] * len(way))
+    unlikely = [
+        _by_recording(model, way, _values_held(way, cases[0], found))
         for way, found in zip(held_ways, fits, strict=True)
     ]
-    held = _likeliest_of_each(model, held_ways, held_values)
+    held = _likeliest_of_each(held_ways, unlikely)
     for way, found in zip(ways, fits, strict=True):
-        if all(one is other for one, other in zip(way, chosen, strict=True)):
+        if _are_the_same(way, chosen):
             return chosen, held, found
     return chosen, held, refitted(model, chosen, fits[0])
 
@@ -182,16 +231,22 @@ def _values(cases: Cases, found: Fit) -> list[dict[str, float]]:
     return values_in_each(cases, cases[0], found.shared, found.own)
 
 
+def _values_held(cases: Cases, first: Case, found: Fit) -> list[dict[str, float]]:
+    """Return what a fit says of recordings that it was not made of."""
+    return values_in_each(cases, first, found.shared, [{}] * len(cases))
+
+
 def _likeliest_of_each(
-    model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
+    ways: Sequence[Cases], unlikely: Sequence[Mapping[int, float]]
 ) -> list[Case]:
     """Return every recording's cases in the way in which it is likeliest."""
-    chosen: dict[int, int] = {}
-    for recording in {id(case.recording) for case in ways[0]}:
-        mine = [i for i, case in enumerate(ways[0]) if id(case.recording) == recording]
-        unlikely = [
-            model.unlikeliness([way[i] for i in mine], [each[i] for i in mine])
-            for way, each in zip(ways, values, strict=True)
-        ]
-        chosen[recording] = unlikely.index(min(unlikely))
-    return [ways[chosen[id(case.recording)]][i] for i, case in enumerate(ways[0])]
+    return [
+        case
+        for recording in unlikely[0]
+        for case in min(zip(ways, unlikely, strict=True), key=lambda way: way[1][recording])[0]
+        if id(case.origin) == recording
+    ]
+
+
+def _are_the_same(one: Cases, other: Cases) -> bool:
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
