@@ -6,6 +6,7 @@ import pytest
 from pneuservo.diagnosis.models.servo.command import (
     followed_by_spool,
     held_command,
+    noise_of_command,
     running_command,
     unseen,
 )
@@ -44,6 +45,15 @@ def test_it_passes_through_its_samples_and_no_farther_than_the_driver():
     assert found[:, 0] == pytest.approx(voltage)
     assert found[:-1, -1] == pytest.approx(voltage[1:])
     assert np.abs(found).max() == FULL
+
+
+def test_noise_between_samples_is_not_known_and_chatter_is_no_noise():
+    rng = np.random.default_rng(4)
+    # A loop that lets the noise of its transducer through, ten times as fast as it is sampled.
+    finer = rng.normal(0.0, 0.01, (len(TIME), 10))
+    off = finer[:, 0] - finer.mean(axis=1)
+    assert unseen(finer[:, 0], None).mean() == pytest.approx(np.std(off), rel=0.3)
+    assert noise_of_command(FULL * np.sign(rng.normal(size=len(TIME)))) == 0.0
 
 
 def test_it_jumps_with_the_set_point_and_stays_until_then():

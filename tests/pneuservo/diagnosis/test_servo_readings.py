@@ -10,7 +10,12 @@ from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.readings import likelier_with, likeliest_followed, ranked_readings
+from pneuservo.diagnosis.readings import (
+    likelier_with,
+    likeliest_followed,
+    likeliest_read,
+    ranked_readings,
+)
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
@@ -124,6 +129,22 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     run = simulate(rig, time=TIME, command=steps)
     held = read_as(model, model.cases(noisy(run, rng), rig))
     assert not held[0].inputs["feed"].ramped
+
+
+def test_each_recording_is_read_in_its_own_way(rig):
+    model, quiet = ServoModel(), lambda step: None
+    command = 4.0 * np.sign(np.sin(2.0 * np.pi * 40.0 * TIME + 0.1))
+    relay = noisy(simulate(rig, time=TIME, command=command), np.random.default_rng(7))
+    loop = recorded(rig, SlidingMode(), 8)
+    cases = [case for each in (relay, loop) for case in model.cases(each, rig)]
+    best = ranked_readings(model, model.readings(cases), quiet)[0]
+    assert {(c.origin is loop, c.inputs["feed"].ramped) for c in best.cases} == {
+        (False, False),
+        (True, True),
+    }
+    # What is held back is read by what has been learnt, whatever was read beside it.
+    held_back = likeliest_read(model, model.cases(relay, rig), best.baseline, best.cases[0])
+    assert not any(case.inputs["feed"].ramped for case in held_back)
 
 
 def test_what_an_effect_leaves_does_not_decide_how_a_command_is_read(rig):

@@ -24,6 +24,10 @@ _GAP = 3.0
 """A curve does not go on over a gap of so many intervals."""
 _LEAST_JUMP = 0.01
 """Share of all that a set point moves by that a jump of it has: converters have steps."""
+_CALM_SAMPLES = 51
+"""Samples over which the noise of a command is looked for."""
+_CHATTER = 0.1
+"""What swings by more than this is no noise of a command [V]."""
 _FEWEST = 3
 """Samples that a curve can be drawn through."""
 
@@ -128,8 +132,37 @@ def unseen(voltage: Array, demand: Array | None) -> Array:
     jump = np.maximum(moves - _OF_A_JUMP * _beside(moves), 0.0)
     curve = np.abs(np.diff(change, prepend=change[0], append=change[-1]))
     bend = np.maximum(curve[:-1], curve[1:])
-    off = _EDGE * jump + _CURVE * bend
+    off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(voltage))
     return np.append(off, off[-1:])
+
+
+def noise_of_command(voltage: Array) -> float:
+    """Return how much of a command is noise, from the calmer half of it; chatter is none [V].
+
+    Noise that reaches beyond half the sampling rate says nothing of the mean between two samples.
+
+    Parameters
+    ----------
+    voltage : (n,) array
+        As sampled [V].
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> slow = np.sin(0.03 * np.arange(4000))
+    >>> bool(abs(noise_of_command(slow + 0.01 * rng.standard_normal(4000)) - 0.01) < 0.001)
+    True
+    >>> noise_of_command(np.repeat([0.0, 1.0, 3.0], 100))
+    0.0
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    if len(voltage) < _CALM_SAMPLES:
+        return 0.0
+    # Fourth differences of a slow swing are next to nothing; those of noise are sqrt(70) of it.
+    squares = uniform_filter1d(np.diff(voltage, 4) ** 2 / 70.0, _CALM_SAMPLES)
+    noise = float(np.sqrt(max(np.median(squares), 0.0)))
+    return noise if noise < _CHATTER else 0.0
 
 
 def followed_by_spool(
