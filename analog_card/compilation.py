@@ -11,6 +11,8 @@ from typing import Any
 import numba
 import platformdirs
 
+from analog_card.kernel import Kernel
+
 PACKAGE = Path(__file__).parent
 _IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 _CONSTANT = re.compile(r"\b[A-Z][A-Z0-9_]+\b")
@@ -72,7 +74,7 @@ def compile_kernel(
     folder: Path | None,
     inline: bool = True,
     counted: bool = True,
-) -> Any:
+) -> Kernel:
     """Compile a kernel, keeping the result in a folder if there is one.
 
     Parameters
@@ -90,10 +92,10 @@ def compile_kernel(
 
     Returns
     -------
-    callable
-        The kernel. Division by zero gives infinity, as in C, instead of an exception. Products
-        and sums may be fused and divisions by constants become products; NaN and infinity
-        behave as they should.
+    Kernel
+        Division by zero gives infinity, as in C, instead of an exception. Products and sums may
+        be fused and divisions by constants become products; NaN and infinity behave as they
+        should.
     """
     options: dict[str, Any] = {
         "error_model": "numpy",
@@ -102,16 +104,7 @@ def compile_kernel(
         "nogil": True,
         "_nrt": counted,
     }
-    if folder is None:
-        return numba.njit(**options)(function)
-    # The compiler reads the folder here; other users of it in this process keep their own.
-    config: Any = numba.config
-    before = config.CACHE_DIR
-    config.CACHE_DIR = str(folder)
-    try:
-        return numba.njit(cache=True, **options)(function)
-    finally:
-        config.CACHE_DIR = before
+    return Kernel(function, options, folder)
 
 
 @cache
