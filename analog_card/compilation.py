@@ -14,6 +14,7 @@ import platformdirs
 from analog_card.kernel import Kernel
 
 PACKAGE = Path(__file__).parent
+_COMPILING = {Path(__file__), Path(__file__).with_name("kernel.py")}
 _IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 _CONSTANT = re.compile(r"\b[A-Z][A-Z0-9_]+\b")
 
@@ -31,9 +32,9 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
     Notes
     -----
     The folder is named after the content of every source file that holds kernels, the named
-    tuples or the constants that they take, and the version of the compiler. The compiler itself
-    only watches the file a function stands in, so a kernel that takes in a function of another
-    file would keep running the old physics after that file changed.
+    tuples or the constants that they take, of how they are compiled, and the version of the
+    compiler. The compiler itself only watches the file a function stands in, so a kernel that
+    takes in a function of another file would keep running the old physics after that file changed.
     """
     digest = hashlib.sha256(numba.__version__.encode())
     found = {
@@ -46,7 +47,7 @@ def kernel_folder(*packages: Path, mark: str = "import compiled") -> Path | None
         if any(word in content for word in marks)
     }
     taken = {file for source, content in watched.items() for file in _constants_of(source, content)}
-    for source in sorted(watched.keys() | taken):
+    for source in sorted(watched.keys() | taken | _COMPILING):
         digest.update(found.get(source) or source.read_bytes())
     folder = Path(platformdirs.user_cache_dir("pneuservo")) / digest.hexdigest()[:16]
     try:

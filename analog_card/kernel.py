@@ -9,7 +9,7 @@ import numba
 
 
 class Kernel:
-    """A compiled function of numbers, arrays and named tuples.
+    """A compiled function of numbers, arrays and named tuples, which cannot call itself.
 
     Parameters
     ----------
@@ -24,8 +24,8 @@ class Kernel:
     -----
     Most kernels are only ever taken in by others. What unpacks Python's objects for a kernel,
     named tuples of named tuples above all, takes longer to compile than the kernel itself, so
-    this is done when a kernel is first called from Python and not before: those of the servo with
-    effects are compiled in two fifths of the time (29 instead of 72 s).
+    this is done when a kernel is first called from Python and not before, and it is compiled once
+    more then: those of the servo with effects take two fifths of the time (30 instead of 72 s).
     """
 
     def __init__(

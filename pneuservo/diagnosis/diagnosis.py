@@ -16,7 +16,7 @@ from pneuservo.diagnosis.readings import (
     Reading,
     likelier_with,
     likeliest_followed,
-    likeliest_read,
+    likeliest_held_back,
     ranked_readings,
 )
 from pneuservo.diagnosis.search import Search
@@ -191,7 +191,7 @@ def diagnose(
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        search, held_back = _as_read(Search(model, cases, progress, seed, jobs), held_back)
+        search = _as_read(Search(model, cases, progress, seed, jobs))
         search.run()
         unexplained = None
         if not search.interrupted:
@@ -200,6 +200,7 @@ def diagnose(
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
+            held_back = likeliest_held_back(model, held_back, repaired, search.cases[0])
             before, after = (
                 fit(model, held_back, f.hypothesis, fixed=f.shared, reference=search.cases[0])
                 for f in (search.baseline, repaired)
@@ -234,38 +235,35 @@ def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     return model.cases(recording, rig)
 
 
-def _as_read(search: Search, held_back: list[Case]) -> tuple[Search, list[Case]]:
-    """Return the search in the recordings as they are best read, begun, and what is held back.
+def _as_read(search: Search) -> Search:
+    """Return the search in the recordings as they are best read, begun.
 
-    How they are read follows from those that are used: from their baselines and, where a name
-    explains more than lies between these, from the fits with that name.
+    How they are read follows from their baselines and, where a name explains more than lies
+    between these, from the fits with that name.
     """
     model, progress = search.model, search.progress
     ranked = ranked_readings(model, model.readings(search.cases), progress)
-    first, held = _begun(search, ranked[0], held_back)
+    first = _begun(search, ranked[0])
     if first.interrupted or not first.accepted:
-        return first, held
+        return first
     try:
         other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
         if other is None:
-            return first, held
-        second, held_otherwise = _begun(search, other, held_back)
+            return first
+        second = _begun(search, other)
         if second.accepted or not second.interrupted:
-            return second, held_otherwise
+            return second
     except KeyboardInterrupt:
         pass
     # What the first reading has shown is more than nothing.
     first.interrupted = True
-    return first, held
+    return first
 
 
-def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Search, list[Case]]:
+def _begun(search: Search, reading: Reading) -> Search:
     """Return a search in recordings as they are read and best followed, begun."""
     model = search.model
-    held = likeliest_read(model, held_back, reading.baseline, reading.cases[0])
-    cases, held, baseline = likeliest_followed(
-        model, reading.cases, held, reading.baseline, search.progress
-    )
+    cases, baseline = likeliest_followed(model, reading.cases, reading.baseline, search.progress)
     begun = Search(model, cases, search.progress, search.seed, search.jobs)
     if baseline is not None:
         begun.fits[baseline.hypothesis] = baseline
@@ -273,10 +271,10 @@ def _begun(search: Search, reading: Reading, held_back: list[Case]) -> tuple[Sea
             closer = beyond_ridges(model, cases, baseline, search.jobs)
         except KeyboardInterrupt:
             begun.interrupted = True
-            return begun, held
+            return begun
         begun.fits[closer.hypothesis] = closer
     begun.begin()
-    return begun, held
+    return begun
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -15,7 +15,7 @@ Cases = Sequence[Case]
 
 @dataclass(frozen=True)
 class Reading:
-    """Recordings read in one way.
+    """Recordings as they may be read: all in one way, or each in its likeliest.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Reading:
 def ranked_readings(
     model: Model, readings: Sequence[Cases], progress: Callable[[str], None]
 ) -> list[Reading]:
-    """Return each way to read some recordings, the likeliest first.
+    """Return the ways to read some recordings, the likeliest first, a mixture among them.
 
     Parameters
     ----------
@@ -71,27 +71,6 @@ def ranked_readings(
         for way, baseline, each in zip(ways, fits, unlikely, strict=True)
     ]
     return sorted(found, key=lambda reading: reading.unlikely)
-
-
-def likeliest_read(model: Model, held_back: Cases, baseline: Fit | None, first: Case) -> list[Case]:
-    """Return recordings that are held back, each as it is likelier to be read.
-
-    Parameters
-    ----------
-    model : Model
-        What was fitted.
-    held_back : sequence of Case
-        Recordings to which nothing is fitted.
-    baseline : Fit or None
-        Fitted to what is used; None where there is one way to read it.
-    first : Case
-        The first of those.
-    """
-    if baseline is None or not held_back:
-        return list(held_back)
-    ways = model.readings(held_back)
-    values = [_values_held(way, first, baseline) for way in ways]
-    return _likeliest_of_each(ways, _unlikely_given(model, ways, values))
 
 
 def likelier_with(
@@ -175,19 +154,15 @@ def _by_recording(
 
 
 def likeliest_followed(
-    model: Model,
-    cases: Cases,
-    held_back: Cases,
-    baseline: Fit | None,
-    progress: Callable[[str], None],
-) -> tuple[list[Case], list[Case], Fit | None]:
-    """Return used and held back cases as they are best followed, and the baseline of the former.
+    model: Model, cases: Cases, baseline: Fit | None, progress: Callable[[str], None]
+) -> tuple[list[Case], Fit | None]:
+    """Return recordings as they are best followed, and their baseline.
 
     Parameters
     ----------
     model : Model
         What is fitted.
-    cases, held_back : sequence of Case
+    cases : sequence of Case
         Recordings as they are read.
     baseline : Fit or None
         Of the cases, where it is known.
@@ -201,7 +176,7 @@ def likeliest_followed(
     """
     ways = model.followed(cases)
     if len(ways) == 1:
-        return list(cases), list(held_back), baseline
+        return list(cases), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
     fits = _fitted_in_turn(model, ways, baseline)
     unlikely = [
@@ -209,16 +184,38 @@ def likeliest_followed(
         for way, found in zip(ways, fits, strict=True)
     ]
     chosen = _likeliest_of_each(ways, unlikely)
-    held_ways = model.followed(held_back)
-    unlikely = [
-        _by_recording(model, way, _values_held(way, cases[0], found))
-        for way, found in zip(held_ways, fits, strict=True)
-    ]
-    held = _likeliest_of_each(held_ways, unlikely)
     for way, found in zip(ways, fits, strict=True):
         if _are_the_same(way, chosen):
-            return chosen, held, found
-    return chosen, held, refitted(model, chosen, fits[0])
+            return chosen, found
+    return chosen, refitted(model, chosen, fits[0])
+
+
+def likeliest_held_back(model: Model, held_back: Cases, found: Fit, first: Case) -> list[Case]:
+    """Return recordings that are held back as they are best read and followed.
+
+    Parameters
+    ----------
+    model : Model
+        What was fitted.
+    held_back : sequence of Case
+        Recordings to which nothing is fitted.
+    found : Fit
+        To what is used, with everything that was found there: what is missing from a model may
+        decide how recordings are read.
+    first : Case
+        The first of those that were used.
+    """
+    chosen = list(held_back)
+    ways = model.readings(chosen) if chosen else []
+    if len(ways) > 1:
+        values = [_values_elsewhere(way, first, found) for way in ways]
+        chosen = _likeliest_of_each(ways, _unlikely_given(model, ways, values))
+    ways = model.followed(chosen)
+    if len(ways) > 1:
+        values = [_values_elsewhere(way, first, found) for way in ways]
+        unlikely = [_by_recording(model, *each) for each in zip(ways, values, strict=True)]
+        chosen = _likeliest_of_each(ways, unlikely)
+    return chosen
 
 
 def _fitted_in_turn(model: Model, ways: Sequence[Cases], first: Fit | None) -> list[Fit]:
@@ -231,7 +228,7 @@ def _values(cases: Cases, found: Fit) -> list[dict[str, float]]:
     return values_in_each(cases, cases[0], found.shared, found.own)
 
 
-def _values_held(cases: Cases, first: Case, found: Fit) -> list[dict[str, float]]:
+def _values_elsewhere(cases: Cases, first: Case, found: Fit) -> list[dict[str, float]]:
     """Return what a fit says of recordings that it was not made of."""
     return values_in_each(cases, first, found.shared, [{}] * len(cases))
 

@@ -111,7 +111,7 @@ class AnalogueCardModel(Model):
                 source = DIFFERENTIATORS[channel][1]
                 recorded = spectrum(feed.signals[source])
                 response = differentiator_response(channel, {}, feed, feed.frequency(feed.size))
-                inputs["recorded"] = signal_of(response * recorded, feed.size)
+                inputs["differentiated"] = signal_of(response * recorded, feed.size)
                 inputs["clean"] = without_noise(recorded, feed.noise[source])
             unusable = feed.unusable(channel, *_STAGES[channel])
             if "demand" in _STAGES[channel]:
@@ -301,7 +301,7 @@ def _heeded(case: Case, values: Values) -> dict[str, float]:
 def _stage(case: Case, values: Values) -> Array:
     feed: CardFeed = case.inputs["feed"]
     if case.channel in DIFFERENTIATORS:
-        recorded, clean = case.inputs["recorded"], case.inputs["clean"]
+        recorded, clean = case.inputs["differentiated"], case.inputs["clean"]
         return differentiator(case.channel, recorded, clean, values, feed)
     return surface(values, feed) if case.channel == "card_surface" else output(values, feed)
 

@@ -13,7 +13,7 @@ from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import (
     likelier_with,
     likeliest_followed,
-    likeliest_read,
+    likeliest_held_back,
     ranked_readings,
 )
 from pneuservo.effects.supply import RIPPLE
@@ -143,7 +143,8 @@ def test_each_recording_is_read_in_its_own_way(rig):
         (True, True),
     }
     # What is held back is read by what has been learnt, whatever was read beside it.
-    held_back = likeliest_read(model, model.cases(relay, rig), best.baseline, best.cases[0])
+    again = model.cases(relay, rig)
+    held_back = likeliest_held_back(model, again, best.baseline, best.cases[0])
     assert not any(case.inputs["feed"].ramped for case in held_back)
 
 
@@ -158,6 +159,10 @@ def test_what_an_effect_leaves_does_not_decide_how_a_command_is_read(rig):
     assert not first.cases[0].inputs["feed"].ramped
     named = fit(model, first.cases, Hypothesis().adding(leak), first.baseline)
     assert likelier_with(model, ranked, first.baseline, named, quiet) is other
+    # What is held back is read as it is likelier with the leak.
+    better = fit(model, other.cases, named.hypothesis, other.baseline)
+    held_back = likeliest_held_back(model, cases, better, other.cases[0])
+    assert all(case.inputs["feed"].ramped for case in held_back)
     # What explains less than lies between two readings cannot turn their order.
     assert likelier_with(model, ranked, first.baseline, first.baseline, quiet) is None
 
@@ -178,9 +183,8 @@ def shaken_by(rig, share):
 def test_the_observer_allows_for_a_force_in_the_recording_where_there_is_one(rig):
     model = ServoModel()
     still, shaken = (model.cases(shaken_by(rig, share), rig) for share in (0.0, 0.3))
-    used, held_back, _ = likeliest_followed(
-        model, [*still, *shaken], shaken, None, lambda step: None
-    )
+    used, baseline = likeliest_followed(model, [*still, *shaken], None, lambda step: None)
     allowed = [case.inputs["feed"].unsteadiness for case in used]
     assert allowed == [0.25] * len(still) + [1.0] * len(shaken)
+    held_back = likeliest_held_back(model, shaken, baseline, used[0])
     assert all(case.inputs["feed"].unsteadiness == 1.0 for case in held_back)

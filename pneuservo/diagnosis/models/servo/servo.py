@@ -192,12 +192,15 @@ class ServoModel(Model):
         A controller that samples holds its command; an analogue one, or a recorder, does not.
         """
         # Read in the wrong way a relay leaves lines that pass for hum: it is looked for in each.
-        held = [
-            read
-            for case in cases
-            if case.inputs["leads"]
-            for read in self._read(case.inputs["recorded"], case.rig, ramped=False)
-        ]
+        held: list[Case] = []
+        for case in cases:
+            if not case.inputs["leads"]:
+                continue
+            try:
+                held += self._read(case.origin, case.rig, ramped=False)
+            except InputError:
+                # Nothing of it could be judged then: it stays as it is.
+                held += [other for other in cases if other.origin is case.origin]
         return [list(cases), held]
 
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
