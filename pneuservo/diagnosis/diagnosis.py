@@ -7,11 +7,12 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import beyond_ridges, fit
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
+from pneuservo.diagnosis.models.model import Misfit
 from pneuservo.diagnosis.readings import (
     Reading,
     likelier_with,
@@ -20,7 +21,7 @@ from pneuservo.diagnosis.readings import (
     ranked_readings,
 )
 from pneuservo.diagnosis.search import Search
-from pneuservo.diagnosis.unexplained import Unexplained, find_unexplained
+from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings import Recording
@@ -93,7 +94,7 @@ class Diagnosis:
         """
         chosen, cases = self.search.chosen, self.search.cases
         if self.model.tabulates:
-            return self.unexplained is not None
+            return self.unexplained is not None or self.misfit is not None
         noise = self.search.noise_rms
         ratio = max(chosen.rms_of(channel) for channel in chosen.effective) / noise
         if ratio < SUSPICIOUS_RATIO:
@@ -104,6 +105,14 @@ class Diagnosis:
         if chosen.all_effective > COLOURED * chosen.samples:
             return False
         return self.left_over.beyond_chance
+
+    @cached_property
+    def misfit(self) -> Misfit | None:
+        """Return what is no noise though neither a name nor a table explains it."""
+        search = self.search
+        if search.interrupted or self.unexplained is not None or "unnamed" in self.model.without:
+            return None
+        return self.model.misfit(search.cases, search.chosen.residuals)
 
     @cached_property
     def left_over(self) -> Dependence:
@@ -121,6 +130,9 @@ class Diagnosis:
         """
         if self.unexplained is not None:
             return self.unexplained.share
+        if self.misfit is not None:
+            share = share_of(self.misfit, self.search)
+            return share if share > WORTH_SAYING else 0.0
         if not self.structure_remains or not self.left_over.beyond_chance:
             return 0.0
         if self.left_over.share < UNNAMED:
@@ -197,6 +209,8 @@ def diagnose(
         if not search.interrupted:
             search.profile()
             unexplained = _unexplained(search)
+            if unexplained is None:
+                _drop_what_explains_little(search)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
@@ -226,6 +240,29 @@ def _unexplained(search: Search) -> Unexplained | None:
     if found is not None and found.instead:
         search.give_up()
     return found
+
+
+def share_of(misfit: Misfit, search: Search) -> float:
+    """Return the share that has no name of all that is no noise.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        What is left.
+    search : Search
+        Everything that was tried.
+    """
+    named = max(explained(search.baseline, search.chosen), 0.0)
+    return misfit.energy / (misfit.energy + named)
+
+
+def _drop_what_explains_little(search: Search) -> None:
+    """Drop the names where they leave more than they explain: something else is at work."""
+    if not search.accepted or not search.model.tabulates or "unnamed" in search.model.without:
+        return
+    misfit = search.model.misfit(search.cases, search.chosen.residuals)
+    if misfit is not None and share_of(misfit, search) > UNNAMED:
+        search.give_up()
 
 
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:

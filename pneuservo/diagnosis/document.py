@@ -199,7 +199,7 @@ def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
     Returns the probability that something without a name is at work.
     """
     unnamed = diagnosis.unnamed_share
-    if diagnosis.unexplained is not None:
+    if diagnosis.unexplained is not None or diagnosis.misfit is not None:
         for entry in missing:
             entry["probability"] *= 1.0 - unnamed
         return unnamed
@@ -214,22 +214,26 @@ def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
 def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
     if diagnosis.unexplained is not None:
         return _tabulated(diagnosis.unexplained, min(probability, SUREST))
-    search, found = diagnosis.search, diagnosis.left_over
-    shape = (
-        f"depends on {found.name}, which accounts for {found.share:.0%} of it"
-        if found.beyond_chance
-        else "depends on nothing that was recorded"
-    )
     return {
         "effect": "unexplained",
-        "block": _guilty(search),
-        "statement": f"Nothing in the catalogue explains what is left; it {shape}.",
+        "block": _guilty(diagnosis.search),
+        "statement": f"Nothing in the catalogue explains what is left{_look(diagnosis)}.",
         "equation": "",
         "parameters": {},
-        "probability": probability,
+        "probability": min(probability, SUREST),
         "class": ["unexplained"],
         "alternatives": [],
     }
+
+
+def _look(diagnosis: Diagnosis) -> str:
+    """Return what has neither a name nor a table, in words."""
+    if diagnosis.misfit is not None:
+        return f": {diagnosis.misfit.words}"
+    found = diagnosis.left_over
+    if not found.beyond_chance:
+        return "; it depends on nothing that was recorded"
+    return f"; it depends on {found.name}, which accounts for {found.share:.0%} of it"
 
 
 def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:

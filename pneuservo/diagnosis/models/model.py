@@ -92,6 +92,25 @@ class Table:
     least_gain: float
 
 
+@dataclass(frozen=True)
+class Misfit:
+    """What a model leaves that is no noise, though no name and no table explains it.
+
+    Parameters
+    ----------
+    block : str
+        Where it acts, as far as that shows.
+    words : str
+        What it looks like, after "nothing in the catalogue explains what is left:".
+    energy : float
+        Its sum of squares, in those of the noise.
+    """
+
+    block: str
+    words: str
+    energy: float
+
+
 Levels = Mapping[tuple[int, str], float]
 """By identity of a recording and channel."""
 
@@ -263,6 +282,10 @@ class Model:
     def tables(self, cases: Sequence[Case]) -> list[Table]:
         """Return the tables that may stand for what no effect explains, of a model that has any."""
         raise NotImplementedError
+
+    def misfit(self, cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | None:
+        """Return what residuals show beside noise, of a model that tables may be added to."""
+        return None
 
     def suspects(
         self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]

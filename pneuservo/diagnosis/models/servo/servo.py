@@ -12,6 +12,7 @@ from pneuservo.diagnosis.models.model import (
     Array,
     Case,
     Levels,
+    Misfit,
     Model,
     Table,
     Unknown,
@@ -35,6 +36,7 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     SPOOL_ZERO,
     ZERO_SPREAD,
 )
+from pneuservo.diagnosis.models.servo.misfit import misfit_of
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import (
     REVERSAL,
@@ -289,6 +291,17 @@ class ServoModel(Model):
     def tables(self, cases: Sequence[Case]) -> list[Table]:
         """Return tables of a force or a flow over everything that was recorded."""
         return tables_of(cases)
+
+    def misfit(self, cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | None:
+        """Return what innovations of the right model never show."""
+        return misfit_of(cases, residuals)
+
+    def suspects(
+        self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
+    ) -> dict[str, float]:
+        """Return the block that what is no noise belongs to."""
+        found = misfit_of(cases, residuals)
+        return {self.block if found is None else found.block: 1.0}
 
     def imitate(
         self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator

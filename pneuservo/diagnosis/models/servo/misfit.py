@@ -1,0 +1,218 @@
+"""What a servo's model leaves that is no noise, whatever it is: lines, slow swings, lost rests."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pneuservo.diagnosis.hum import MAINS
+from pneuservo.diagnosis.models.model import Array, Case, Misfit
+from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES
+
+_LINE = 300.0
+"""A line of so many times the power beside it is taken for interference: in recordings of another
+simulator without any effect none but the mains' reached 20."""
+_BESIDE = (0.5, 6.0)
+"""Distance from a line within which the power beside it is taken [Hz]."""
+_LOWEST = 0.3
+"""Lines below are drift [Hz]."""
+_OFF_MAINS = 1.0
+"""Lines as close to a multiple of the mains are hum [Hz]."""
+_ONE_TRANSDUCER = 5.0
+"""A line that is so many times as strong in one channel as in any other is in its reading: what
+really swings shows elsewhere too."""
+_NOT_COMMANDED = 15.0
+"""The command has no line there: less than so many times the power beside it."""
+_LOST_REST = 2.0
+"""A piston that rests under so many times what friction can hold (root mean square): in recordings
+without effect it was 0.9 at the most, and 1.6 where a transducer read what was not there."""
+_SLOW = 0.5
+"""What swings, as a share of the noise's power; without effect, 0.05 at the most."""
+_TOGETHER = 0.5
+"""Coherence with another channel below which it may be noise that is not white."""
+_SEGMENT = 1024
+_STANDS_OUT = 2.5
+"""Of the median power density; with some twenty segments noise alone does not reach it."""
+_MEDIAN_OF_LINE = 0.693
+"""Median of a power that is distributed exponentially, as that of one line of noise is."""
+
+
+@dataclass(frozen=True)
+class _Left:
+    """What is left of one recording.
+
+    Parameters
+    ----------
+    channels : dict of str to (n,) array
+        Innovations in units of their noise, 0 where they are not judged.
+    seen : dict of str to float
+        Share of the samples that are judged.
+    command : (n,) array
+        [V].
+    interval : float
+        Of the samples [s].
+    """
+
+    channels: dict[str, Array]
+    seen: dict[str, float]
+    command: Array
+    interval: float
+
+
+def misfit_of(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | None:
+    """Return what some residuals show beside noise, the largest of it.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Prepared recordings of one servo.
+    residuals : sequence of array
+        What is left of each, usable samples only [in noise].
+
+    Returns
+    -------
+    Misfit or None
+        None where what is left could be noise.
+
+    Notes
+    -----
+    Three things that innovations of the right model never show: a line in the reading of one
+    transducer that the command does not have; a piston that stays at rest under more than friction
+    can hold; and swings of a pressure as strong as half of its noise that another channel shares.
+    Of a displacement alone nothing is concluded: while a piston sticks and slips, friction that
+    gives way by some micrometres is left in it.
+    """
+    lefts = _lefts(cases, residuals)
+    found = [_line(lefts), _lost_rest(cases, residuals), _swing(lefts)]
+    return max((f for f in found if f is not None), key=lambda f: f.energy, default=None)
+
+
+def _lefts(cases: Sequence[Case], residuals: Sequence[Array]) -> list[_Left]:
+    lefts: dict[int, _Left] = {}
+    for case, residual in zip(cases, residuals, strict=True):
+        fed = case.inputs["feed"]
+        left = lefts.setdefault(id(fed), _Left({}, {}, fed.voltage, fed.interval))
+        if case.recorded:
+            whole = np.zeros(len(case.usable))
+            whole[case.usable] = residual
+            left.channels[case.channel] = whole
+            left.seen[case.channel] = float(np.mean(case.usable))
+    return list(lefts.values())
+
+
+def _line(lefts: Sequence[_Left]) -> Misfit | None:
+    """Return a line in the reading of one transducer, in every recording at one frequency."""
+    found = [
+        _line_in(channel, lefts)
+        for channel in lefts[0].channels
+        if all(channel in left.channels for left in lefts)
+    ]
+    return max((f for f in found if f is not None), key=lambda f: f.energy, default=None)
+
+
+def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
+    first = lefts[0]
+    powers, frequencies = _powers(first.channels[channel], first.interval)
+    powers = np.where(frequencies < _LOWEST, 0.0, powers)
+    frequency = float(frequencies[np.argmax(powers)])
+    if any(abs(frequency - k * m) < _OFF_MAINS for m in MAINS for k in range(1, 10)):
+        return None
+    energy = 0.0
+    for left in lefts:
+        strength, whole = _line_at(left.channels[channel], left.interval, frequency)
+        others = [
+            _line_at(other, left.interval, frequency)[1]
+            for name, other in left.channels.items()
+            if name != channel
+        ]
+        commanded, _ = _line_at(left.command, left.interval, frequency)
+        if strength < _LINE or commanded > _NOT_COMMANDED:
+            return None
+        if any(_ONE_TRANSDUCER * other > whole for other in others):
+            return None
+        energy += 2.0 * whole
+    reading = channel.replace("_", " ")
+    return Misfit(
+        "sensor.pressure" if channel in PRESSURES else f"sensor.{channel}",
+        f"the reading of the {reading} has a line at {frequency:.3g} Hz that nothing else has, as "
+        "interference has, or a line from above half the sampling rate that is folded down",
+        energy,
+    )
+
+
+def _powers(samples: Array, interval: float) -> tuple[Array, Array]:
+    """Return the power at each frequency, and the frequencies [Hz]; 1 each for white noise of 1."""
+    powers = np.abs(np.fft.rfft(samples)) ** 2 / len(samples)
+    return powers, np.asarray(np.fft.rfftfreq(len(samples), interval))
+
+
+def _line_at(samples: Array, interval: float, frequency: float) -> tuple[float, float]:
+    """Return how often a line exceeds the power beside it, and its power."""
+    powers, frequencies = _powers(samples, interval)
+    away = np.abs(frequencies - frequency)
+    floor = float(np.median(powers[(away > _BESIDE[0]) & (away < _BESIDE[1])])) / _MEDIAN_OF_LINE
+    # Between two frequencies of the transform a line shows at both.
+    power = float(np.sum(powers[away < 1.6 * frequencies[1]]))
+    return power / max(floor, 1e-300), power
+
+
+def _lost_rest(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | None:
+    squares = [
+        float(np.sum(residual**2))
+        for case, residual in zip(cases, residuals, strict=True)
+        if case.channel == AT_REST and np.mean(residual**2) > _LOST_REST**2
+    ]
+    if not squares:
+        return None
+    words = (
+        "a force acts on the piston that no channel tells: it rests under more than its friction "
+        "can hold"
+    )
+    return Misfit("piston", words, sum(squares))
+
+
+def _swing(lefts: Sequence[_Left]) -> Misfit | None:
+    """Return what swings in a pressure and in another channel at once."""
+    energy, channels, highest = 0.0, set(), 0.0
+    for left in lefts:
+        for channel in PRESSURES:
+            if channel in left.channels:
+                share, edge = _swings(left, channel)
+                if share > _SLOW:
+                    energy += share * len(left.channels[channel])
+                    channels.add(channel.replace("_", " "))
+                    highest = max(highest, edge)
+    if not channels:
+        return None
+    words = (
+        f"below {highest:.2g} Hz the {' and the '.join(sorted(channels))} "
+        f"{'swings' if len(channels) == 1 else 'swing'} in a way that nothing recorded brings about"
+    )
+    return Misfit("piston" if len(channels) > 1 else "valve.flow", words, energy)
+
+
+def _swings(left: _Left, channel: str) -> tuple[float, float]:
+    """Return what stands out and is shared, in the power of the noise, and up to where [Hz]."""
+    from scipy.signal import csd
+
+    def density(one: Array, other: Array) -> tuple[Array, Array]:
+        length = min(_SEGMENT, len(one))
+        return csd(one, other, 1.0 / left.interval, nperseg=length, detrend=False)
+
+    own = left.channels[channel]
+    frequencies, powers = density(own, own)
+    powers = np.real(powers)
+    floor = float(np.median(powers))
+    stands_out = np.clip(powers - _STANDS_OUT * floor, 0.0, None)
+    total = float(np.sum(stands_out))
+    together = [
+        np.abs(density(own, other)[1]) ** 2 / (powers * np.real(density(other, other)[1]) + 1e-300)
+        for name, other in left.channels.items()
+        if name != channel and left.seen[name] > 0.0
+    ]
+    if not total or not together:
+        return 0.0, 0.0
+    shared = max(float(np.sum(each * stands_out)) / total for each in together)
+    if shared < _TOGETHER:
+        return 0.0, 0.0
+    return total / (floor * len(powers)), float(frequencies[np.flatnonzero(stands_out)[-1]])

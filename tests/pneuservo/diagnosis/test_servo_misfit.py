@@ -1,0 +1,94 @@
+"""What is left of a servo and is no noise: told from noise, hum, chatter and what moves."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from pneuservo.diagnosis.models.servo.feed import AT_REST
+from pneuservo.diagnosis.models.servo.misfit import misfit_of
+
+SAMPLES = 10000
+TIME = np.arange(SAMPLES) * 1e-3
+CHANNELS = ("displacement", "pressure_a", "pressure_b", "supply_pressure")
+SEEDS = range(5)
+
+
+def line(frequency, size=1.0):
+    return size * np.sin(2.0 * np.pi * frequency * TIME + 0.3)
+
+
+def misfit(seed, adds, command=0.0, at_rest=None, recordings=2):
+    """Return what is found in white noise with something added to some channels."""
+    rng = np.random.default_rng(seed)
+    cases, residuals = [], []
+    for _ in range(recordings):
+        voltage = command + 0.01 * rng.standard_normal(SAMPLES)
+        inputs = {"feed": SimpleNamespace(voltage=voltage, interval=1e-3)}
+        for channel in CHANNELS:
+            usable = np.ones(SAMPLES, dtype=bool)
+            cases.append(
+                SimpleNamespace(inputs=inputs, recorded=True, channel=channel, usable=usable)
+            )
+            residuals.append(rng.standard_normal(SAMPLES) + adds.get(channel, 0.0))
+        if at_rest is not None:
+            cases.append(SimpleNamespace(inputs=inputs, recorded=False, channel=AT_REST))
+            residuals.append(at_rest * np.ones(30))
+    return misfit_of(cases, residuals)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_noise_is_no_misfit(seed):
+    assert misfit(seed, {}, at_rest=0.9) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("pole", [0.9, 0.99])
+def test_neither_is_noise_of_a_transducer_that_is_not_white(seed, pole):
+    drive = np.random.default_rng(100 + seed).standard_normal((2, SAMPLES))
+    coloured = 2.0 * np.sqrt(1.0 - pole**2) * lfilter([1.0], [1.0, -pole], drive)
+    assert misfit(seed, {"pressure_a": coloured[0], "pressure_b": coloured[1]}) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    ("channel", "block"),
+    [("pressure_b", "sensor.pressure"), ("displacement", "sensor.displacement")],
+)
+def test_a_line_in_one_reading_is_that_of_its_transducer(seed, channel, block):
+    found = misfit(seed, {channel: line(37.3)})
+    assert found.block == block
+    assert "37.3 Hz" in found.words
+    # Half of the squared amplitude at each sample of both recordings.
+    assert found.energy == pytest.approx(SAMPLES, rel=0.1)
+
+
+@pytest.mark.parametrize("frequency", [50.0, 59.8, 150.0, 299.5])
+def test_the_mains_are_no_misfit(frequency):
+    assert misfit(1, {"pressure_a": line(frequency)}) is None
+
+
+def test_neither_is_what_the_command_swings_with():
+    assert misfit(1, {"pressure_a": line(3.7)}, command=line(3.7)) is None
+
+
+def test_a_line_that_several_channels_have_is_of_no_transducer():
+    adds = {channel: line(37.3, 0.6) for channel in CHANNELS}
+    assert misfit(1, adds) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pressures_that_swing_together_are_pushed_by_something(seed):
+    drive = np.random.default_rng(200 + seed).standard_normal(SAMPLES)
+    slow = lfilter([1.0], [1.0, -0.98], drive)
+    slow *= 1.5 / np.std(slow)
+    found = misfit(seed, {"pressure_a": slow, "pressure_b": -slow, "displacement": slow})
+    assert found.block == "piston"
+    assert "pressure a and the pressure b swing" in found.words
+
+
+def test_a_piston_that_rests_under_more_than_friction_holds_is_pushed_by_something():
+    found = misfit(1, {}, at_rest=5.0)
+    assert found.block == "piston"
+    assert found.energy == pytest.approx(2 * 30 * 25.0)
