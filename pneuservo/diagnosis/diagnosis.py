@@ -131,7 +131,7 @@ class Diagnosis:
         if self.unexplained is not None:
             return self.unexplained.share
         if self.misfit is not None:
-            share = share_of(self.misfit, self.search)
+            share = _share_of(self.misfit, self.search)
             return share if share > WORTH_SAYING else 0.0
         if not self.structure_remains or not self.left_over.beyond_chance:
             return 0.0
@@ -209,8 +209,6 @@ def diagnose(
         if not search.interrupted:
             search.profile()
             unexplained = _unexplained(search)
-            if unexplained is None:
-                _drop_what_explains_little(search)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
@@ -228,6 +226,10 @@ def _unexplained(search: Search) -> Unexplained | None:
     if "unnamed" in model.without or not model.tabulates:
         return None
     search.progress("looking for what has no name")
+    misfit = model.misfit(cases, search.chosen.residuals)
+    if misfit is not None and misfit.read and _share_of(misfit, search) > UNNAMED:
+        search.give_up()
+        return None
     found = find_unexplained(
         model,
         cases,
@@ -239,30 +241,15 @@ def _unexplained(search: Search) -> Unexplained | None:
     )
     if found is not None and found.instead:
         search.give_up()
+    if found is None and misfit is not None and _share_of(misfit, search) > UNNAMED:
+        search.give_up()
     return found
 
 
-def share_of(misfit: Misfit, search: Search) -> float:
-    """Return the share that has no name of all that is no noise.
-
-    Parameters
-    ----------
-    misfit : Misfit
-        What is left.
-    search : Search
-        Everything that was tried.
-    """
+def _share_of(misfit: Misfit, search: Search) -> float:
+    """Return the share that a misfit has of all that is no noise, beside what has a name."""
     named = max(explained(search.baseline, search.chosen), 0.0)
     return misfit.energy / (misfit.energy + named)
-
-
-def _drop_what_explains_little(search: Search) -> None:
-    """Drop the names where they leave more than they explain: something else is at work."""
-    if not search.accepted or not search.model.tabulates or "unnamed" in search.model.without:
-        return
-    misfit = search.model.misfit(search.cases, search.chosen.residuals)
-    if misfit is not None and share_of(misfit, search) > UNNAMED:
-        search.give_up()
 
 
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:

@@ -12,15 +12,15 @@ from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES
 _LINE = 300.0
 """A line of so many times the power beside it is taken for interference: in recordings of another
 simulator without any effect none but the mains' reached 20."""
-_BESIDE = (0.5, 6.0)
+_BESIDE = (0.25, 2.0)
 """Distance from a line within which the power beside it is taken [Hz]."""
 _LOWEST = 0.3
 """Lines below are drift [Hz]."""
 _OFF_MAINS = 1.0
 """Lines as close to a multiple of the mains are hum [Hz]."""
 _ONE_TRANSDUCER = 5.0
-"""A line that is so many times as strong in one channel as in any other is in its reading: what
-really swings shows elsewhere too."""
+"""What is so many times as strong in one channel as in any other is in its reading: what really
+swings shows elsewhere too."""
 _NOT_COMMANDED = 15.0
 """The command has no line there: less than so many times the power beside it."""
 _LOST_REST = 2.0
@@ -28,13 +28,14 @@ _LOST_REST = 2.0
 without effect it was 0.9 at the most, and 1.6 where a transducer read what was not there."""
 _SLOW = 0.5
 """What swings, as a share of the noise's power; without effect, 0.05 at the most."""
+_FASTEST = 10.0
+"""Faster swings may be the loop's own chatter [Hz]: at 50 Hz of a relay's, small errors of the
+baseline left 1.2 times the noise in one pressure."""
 _TOGETHER = 0.5
 """Coherence with another channel below which it may be noise that is not white."""
 _SEGMENT = 1024
 _STANDS_OUT = 2.5
 """Of the median power density; with some twenty segments noise alone does not reach it."""
-_MEDIAN_OF_LINE = 0.693
-"""Median of a power that is distributed exponentially, as that of one line of noise is."""
 
 
 @dataclass(frozen=True)
@@ -137,6 +138,7 @@ def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
         f"the reading of the {reading} has a line at {frequency:.3g} Hz that nothing else has, as "
         "interference has, or a line from above half the sampling rate that is folded down",
         energy,
+        read=True,
     )
 
 
@@ -150,7 +152,7 @@ def _line_at(samples: Array, interval: float, frequency: float) -> tuple[float, 
     """Return how often a line exceeds the power beside it, and its power."""
     powers, frequencies = _powers(samples, interval)
     away = np.abs(frequencies - frequency)
-    floor = float(np.median(powers[(away > _BESIDE[0]) & (away < _BESIDE[1])])) / _MEDIAN_OF_LINE
+    floor = float(np.mean(powers[(away > _BESIDE[0]) & (away < _BESIDE[1])]))
     # Between two frequencies of the transform a line shows at both.
     power = float(np.sum(powers[away < 1.6 * frequencies[1]]))
     return power / max(floor, 1e-300), power
@@ -193,26 +195,34 @@ def _swing(lefts: Sequence[_Left]) -> Misfit | None:
 
 def _swings(left: _Left, channel: str) -> tuple[float, float]:
     """Return what stands out and is shared, in the power of the noise, and up to where [Hz]."""
-    from scipy.signal import csd
-
-    def density(one: Array, other: Array) -> tuple[Array, Array]:
-        length = min(_SEGMENT, len(one))
-        return csd(one, other, 1.0 / left.interval, nperseg=length, detrend=False)
-
     own = left.channels[channel]
-    frequencies, powers = density(own, own)
-    powers = np.real(powers)
-    floor = float(np.median(powers))
-    stands_out = np.clip(powers - _STANDS_OUT * floor, 0.0, None)
+    powers = _density(own, own)
+    frequencies = np.arange(len(powers)) / min(_SEGMENT, len(own)) / left.interval
+    stands_out = _standing_out(powers) * (frequencies < _FASTEST)
     total = float(np.sum(stands_out))
-    together = [
-        np.abs(density(own, other)[1]) ** 2 / (powers * np.real(density(other, other)[1]) + 1e-300)
-        for name, other in left.channels.items()
-        if name != channel and left.seen[name] > 0.0
-    ]
-    if not total or not together:
+    if not total:
         return 0.0, 0.0
-    shared = max(float(np.sum(each * stands_out)) / total for each in together)
+    shared = 0.0
+    for name, other in left.channels.items():
+        there = _density(other, other)
+        if name == channel or np.sum(_standing_out(there)) * _ONE_TRANSDUCER <= total:
+            continue
+        coherence = np.abs(_density(own, other)) ** 2 / (powers * there)
+        shared = max(shared, float(np.sum(coherence * stands_out)) / total)
     if shared < _TOGETHER:
         return 0.0, 0.0
-    return total / (floor * len(powers)), float(frequencies[np.flatnonzero(stands_out)[-1]])
+    return total / len(powers), float(frequencies[np.flatnonzero(stands_out)[-1]])
+
+
+def _density(one: Array, other: Array) -> Array:
+    """Return the density of the power that two channels share, in segments."""
+    from scipy.signal import csd
+
+    _, found = csd(one, other, nperseg=min(_SEGMENT, len(one)), detrend=False)
+    return np.abs(found)
+
+
+def _standing_out(powers: Array) -> Array:
+    """Return by how much powers exceed what noise reaches, in those of the noise."""
+    floor = float(np.median(powers))
+    return np.clip(powers / floor - _STANDS_OUT, 0.0, None)
