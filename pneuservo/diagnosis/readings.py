@@ -59,13 +59,13 @@ def ranked_readings(
     progress("fitting the baseline to each way in which the recordings may be read")
     ways = list(readings)
     fits = _fitted_in_turn(model, ways, None)
-    unlikely = _unlikely(model, ways, fits)
+    unlikely = _unlikely(model, ways, _values(ways, fits))
     mixed = _likeliest_of_each(ways, unlikely)
     if not any(_are_the_same(mixed, way) for way in ways):
         best = min(range(len(ways)), key=lambda n: sum(unlikely[n].values()))
         ways.append(mixed)
         fits.append(refitted(model, mixed, fits[best]))
-        unlikely = _unlikely(model, ways, fits)
+        unlikely = _unlikely(model, ways, _values(ways, fits))
     found = [
         Reading(way, baseline, sum(each.values()))
         for way, baseline, each in zip(ways, fits, unlikely, strict=True)
@@ -108,17 +108,13 @@ def likelier_with(
     tried = (first, first, *others)
     fits = [named]
     fits += [fit(model, r.cases, named.hypothesis, r.baseline) for r in tried[1:]]
-    unlikely = _unlikely(model, [reading.cases for reading in tried], fits)
+    ways = [reading.cases for reading in tried]
+    unlikely = _unlikely(model, ways, _values(ways, fits))
     best = min(zip(tried, unlikely, strict=True), key=lambda each: sum(each[1].values()))[0]
     return None if best is first else best
 
 
-def _unlikely(model: Model, ways: Sequence[Cases], fits: Sequence[Fit]) -> list[dict[int, float]]:
-    """Return how unlikely each recording is in each of some ways, at fits to these."""
-    return _unlikely_given(model, ways, [_values(*each) for each in zip(ways, fits, strict=True)])
-
-
-def _unlikely_given(
+def _unlikely(
     model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
 ) -> list[dict[int, float]]:
     """Return how unlikely each recording is in each of some ways.
@@ -179,10 +175,8 @@ def likeliest_followed(
         return list(cases), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
     fits = _fitted_in_turn(model, ways, baseline)
-    unlikely = [
-        _by_recording(model, way, _values(way, found))
-        for way, found in zip(ways, fits, strict=True)
-    ]
+    values = _values(ways, fits)
+    unlikely = [_by_recording(model, *each) for each in zip(ways, values, strict=True)]
     chosen = _likeliest_of_each(ways, unlikely)
     for way, found in zip(ways, fits, strict=True):
         if _are_the_same(way, chosen):
@@ -208,11 +202,11 @@ def likeliest_held_back(model: Model, held_back: Cases, found: Fit, first: Case)
     chosen = list(held_back)
     ways = model.readings(chosen) if chosen else []
     if len(ways) > 1:
-        values = [_values_elsewhere(way, first, found) for way in ways]
-        chosen = _likeliest_of_each(ways, _unlikely_given(model, ways, values))
+        values = _values_elsewhere(ways, first, found)
+        chosen = _likeliest_of_each(ways, _unlikely(model, ways, values))
     ways = model.followed(chosen)
     if len(ways) > 1:
-        values = [_values_elsewhere(way, first, found) for way in ways]
+        values = _values_elsewhere(ways, first, found)
         unlikely = [_by_recording(model, *each) for each in zip(ways, values, strict=True)]
         chosen = _likeliest_of_each(ways, unlikely)
     return chosen
@@ -224,13 +218,19 @@ def _fitted_in_turn(model: Model, ways: Sequence[Cases], first: Fit | None) -> l
     return [first, *(refitted(model, way, first) for way in ways[1:])]
 
 
-def _values(cases: Cases, found: Fit) -> list[dict[str, float]]:
-    return values_in_each(cases, cases[0], found.shared, found.own)
+def _values(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:
+    """Return what a fit to each of some ways says of its cases."""
+    return [
+        values_in_each(way, way[0], found.shared, found.own)
+        for way, found in zip(ways, fits, strict=True)
+    ]
 
 
-def _values_elsewhere(cases: Cases, first: Case, found: Fit) -> list[dict[str, float]]:
-    """Return what a fit says of recordings that it was not made of."""
-    return values_in_each(cases, first, found.shared, [{}] * len(cases))
+def _values_elsewhere(
+    ways: Sequence[Cases], first: Case, found: Fit
+) -> list[list[dict[str, float]]]:
+    """Return what a fit says of recordings that it was not made of, in each of some ways."""
+    return [values_in_each(way, first, found.shared, [{}] * len(way)) for way in ways]
 
 
 def _likeliest_of_each(

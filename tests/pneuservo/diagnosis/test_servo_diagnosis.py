@@ -40,6 +40,16 @@ def test_a_wrong_mass_is_a_parameter_and_no_physics():
     assert document(both) == answer
 
 
+def test_interference_in_one_reading_is_unexplained_and_put_in_its_transducer():
+    run = recorded(load_rig("single-axis"), Proportional(), 4)
+    line = 800.0 * np.sin(2.0 * np.pi * 37.2 * run.time)
+    disturbed = run.channels | {"pressure_a": run["pressure_a"] + line}
+    answer = document(diagnose([dataclasses.replace(run, channels=disturbed)]))
+    assert answer["verdict"] == "unexplained", answer["missing"]
+    assert [entry["block"] for entry in answer["located"]] == ["sensor.pressure"]
+    assert "37.2 Hz" in answer["missing"][0]["statement"]
+
+
 def resting(channels):
     """Return a recording of a piston that rests all the time."""
     time = np.arange(0.0, 2.0, 1e-3)

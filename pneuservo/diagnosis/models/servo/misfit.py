@@ -12,8 +12,10 @@ from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES
 _LINE = 300.0
 """A line of so many times the power beside it is taken for interference: in recordings of another
 simulator without any effect none but the mains' reached 20."""
-_BESIDE = (0.25, 2.0)
-"""Distance from a line within which the power beside it is taken [Hz]."""
+_WIDE = 2
+"""So many frequencies of a windowed transform to either side belong to a line ..."""
+_BESIDE = 20
+"""... and so many, less these, are beside it."""
 _LOWEST = 0.3
 """Lines below are drift [Hz]."""
 _OFF_MAINS = 1.0
@@ -115,7 +117,10 @@ def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
     first = lefts[0]
     powers, frequencies = _powers(first.channels[channel], first.interval)
     powers = np.where(frequencies < _LOWEST, 0.0, powers)
-    frequency = float(frequencies[np.argmax(powers)])
+    peak = int(np.argmax(powers))
+    about = slice(max(peak - _WIDE, 0), peak + _WIDE + 1)
+    # Between two frequencies of the transform a line shows at both.
+    frequency = float(np.average(frequencies[about], weights=powers[about]))
     if any(abs(frequency - k * m) < _OFF_MAINS for m in MAINS for k in range(1, 10)):
         return None
     energy = 0.0
@@ -144,17 +149,20 @@ def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
 
 def _powers(samples: Array, interval: float) -> tuple[Array, Array]:
     """Return the power at each frequency, and the frequencies [Hz]; 1 each for white noise of 1."""
-    powers = np.abs(np.fft.rfft(samples)) ** 2 / len(samples)
+    from scipy.signal.windows import hann
+
+    # A line between two frequencies would leak into all.
+    window = hann(len(samples), sym=False)
+    powers = np.abs(np.fft.rfft(window * samples)) ** 2 / np.sum(window**2)
     return powers, np.asarray(np.fft.rfftfreq(len(samples), interval))
 
 
 def _line_at(samples: Array, interval: float, frequency: float) -> tuple[float, float]:
     """Return how often a line exceeds the power beside it, and its power."""
     powers, frequencies = _powers(samples, interval)
-    away = np.abs(frequencies - frequency)
-    floor = float(np.mean(powers[(away > _BESIDE[0]) & (away < _BESIDE[1])]))
-    # Between two frequencies of the transform a line shows at both.
-    power = float(np.sum(powers[away < 1.6 * frequencies[1]]))
+    away = np.abs(np.round((frequencies - frequency) / frequencies[1]))
+    floor = float(np.mean(powers[(away > _WIDE) & (away <= _BESIDE)]))
+    power = float(np.sum(powers[away <= _WIDE]))
     return power / max(floor, 1e-300), power
 
 
