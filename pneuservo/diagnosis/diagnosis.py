@@ -57,6 +57,8 @@ class Diagnosis:
         Baseline and repaired model on them, only the recordings' own values fitted.
     unexplained : Unexplained or None
         What has no name, as a table, where the model has tables and something is left.
+    misfit : Misfit or None
+        What is no noise though neither a name nor a table explains it.
     """
 
     rig: Rig
@@ -66,6 +68,7 @@ class Diagnosis:
     before_held_back: Fit | None
     after_held_back: Fit | None
     unexplained: Unexplained | None = None
+    misfit: Misfit | None = None
 
     @property
     def repaired(self) -> Fit:
@@ -78,7 +81,7 @@ class Diagnosis:
         accepted = self.search.accepted
         if any(not member.startswith("param.") for member in accepted):
             return "missing-physics"
-        if self.unexplained is not None:
+        if self.unexplained is not None or self.misfit is not None:
             return "unexplained"
         if accepted:
             return "parameter"
@@ -107,14 +110,6 @@ class Diagnosis:
         return self.left_over.beyond_chance
 
     @cached_property
-    def misfit(self) -> Misfit | None:
-        """Return what is no noise though neither a name nor a table explains it."""
-        search = self.search
-        if search.interrupted or self.unexplained is not None or "unnamed" in self.model.without:
-            return None
-        return self.model.misfit(search.cases, search.chosen.residuals)
-
-    @cached_property
     def left_over(self) -> Dependence:
         """Return what the residual of the chosen model depends on most."""
         search = self.search
@@ -131,8 +126,7 @@ class Diagnosis:
         if self.unexplained is not None:
             return self.unexplained.share
         if self.misfit is not None:
-            share = _share_of(self.misfit, self.search)
-            return share if share > WORTH_SAYING else 0.0
+            return self.misfit.energy / (self.misfit.energy + _named(self.search))
         if not self.structure_remains or not self.left_over.beyond_chance:
             return 0.0
         if self.left_over.share < UNNAMED:
@@ -205,10 +199,10 @@ def diagnose(
     with threadpool_limits(limits=1, user_api="blas"):
         search = _as_read(Search(model, cases, progress, seed, jobs))
         search.run()
-        unexplained = None
+        unexplained = misfit = None
         if not search.interrupted:
             search.profile()
-            unexplained = _unexplained(search)
+            unexplained, misfit = _unexplained(search)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
@@ -217,19 +211,21 @@ def diagnose(
                 fit(model, held_back, f.hypothesis, fixed=f.shared, reference=search.cases[0])
                 for f in (search.baseline, repaired)
             )
-    return Diagnosis(chosen_rig, model, search, held_back, before, after, unexplained)
+    return Diagnosis(chosen_rig, model, search, held_back, before, after, unexplained, misfit)
 
 
-def _unexplained(search: Search) -> Unexplained | None:
-    """Return what has no name; where it explains far more than the names do, they are dropped."""
+def _unexplained(search: Search) -> tuple[Unexplained | None, Misfit | None]:
+    """Return what has no name, as a table or else as what it looks like.
+
+    Where it explains far more than the names do, or is more, they are dropped.
+    """
     model, cases = search.model, search.cases
     if "unnamed" in model.without or not model.tabulates:
-        return None
+        return None, None
     search.progress("looking for what has no name")
     misfit = model.misfit(cases, search.chosen.residuals)
-    if misfit is not None and misfit.read and _share_of(misfit, search) > UNNAMED:
-        search.give_up()
-        return None
+    if misfit is not None and misfit.energy < WORTH_SAYING * (misfit.energy + _named(search)):
+        misfit = None
     found = find_unexplained(
         model,
         cases,
@@ -239,17 +235,18 @@ def _unexplained(search: Search) -> Unexplained | None:
         search.pretence.copies,
         search.jobs,
     )
-    if found is not None and found.instead:
+    if found is not None and (misfit is None or found.gain > misfit.energy):
+        if found.instead:
+            search.give_up()
+        return found, None
+    if misfit is not None and misfit.energy > _named(search):
         search.give_up()
-    if found is None and misfit is not None and _share_of(misfit, search) > UNNAMED:
-        search.give_up()
-    return found
+    return None, misfit
 
 
-def _share_of(misfit: Misfit, search: Search) -> float:
-    """Return the share that a misfit has of all that is no noise, beside what has a name."""
-    named = max(explained(search.baseline, search.chosen), 0.0)
-    return misfit.energy / (misfit.energy + named)
+def _named(search: Search) -> float:
+    """Return what the names explain, in noise."""
+    return max(explained(search.baseline, search.chosen, search.chosen.in_noise), 0.0)
 
 
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:

@@ -216,7 +216,7 @@ def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
         return _tabulated(diagnosis.unexplained, min(probability, SUREST))
     return {
         "effect": "unexplained",
-        "block": _guilty(diagnosis.search),
+        "block": _guilty(diagnosis),
         "statement": f"Nothing in the catalogue explains what is left{_look(diagnosis)}.",
         "equation": "",
         "parameters": {},
@@ -252,8 +252,11 @@ def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
     }
 
 
-def _guilty(search: Search) -> str:
+def _guilty(diagnosis: Diagnosis) -> str:
     """Return the block that most of what is left belongs to."""
+    if diagnosis.misfit is not None:
+        return diagnosis.misfit.block
+    search = diagnosis.search
     suspects = search.model.suspects(search.cases, search.chosen.residuals, search.noise)
     return max(suspects, key=lambda block: suspects[block])
 

@@ -23,7 +23,7 @@ INSTEAD = 1.1
 the names."""
 MANY_NAMES = 3
 """So many names may have shared among them what a single thing does that has none ..."""
-INSTEAD_OF_MANY = 0.9
+INSTEAD_OF_MANY = 0.95
 """... and that are as many as that make way for a table that explains this share of what they do.
 (Three that exhausts which ice up were called explained 6,540, and areas that drift 6,370.)"""
 HARDLY_CLOSER = 0.5
@@ -308,16 +308,17 @@ def _fitted(
     it goes on for as long as it explains more.
     """
     found, steps, gain = base, np.zeros(len(table.knots)), 0.0
+    first = columns
     for _ in range(_MOST_PASSES):
         closer, moved = _further(model, cases, found, table, steps, columns)
         more = explained(base, closer)
-        if more < gain * (1.0 + _HARDLY_MORE):
+        if more < gain * (1.0 + _HARDLY_MORE) or explained(found, closer, found) <= 0.0:
             break
         found, steps, gain = closer, moved, more
         columns = _changes(model, cases, found, table, np.eye(len(steps)), steps)
     weighed = base.in_weights(found.scale)
     gain = explained(weighed, found)
-    spans = spans_beyond(weighed, [columns])
+    spans = spans_beyond(weighed, [first])
     pretended = max((most_gained(spans, copy) for copy in copies(weighed)), default=0.0)
     if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
         return None
@@ -345,10 +346,10 @@ def _rows(base: Fit, columns: Array) -> tuple[Array, Array]:
     return rest, plain * PLAIN * float(np.median(np.linalg.norm(rest, axis=0)))
 
 
-def _steps(base: Fit, columns: Array) -> Array:
-    """Return the knots that explain most beyond a refit."""
+def _steps(base: Fit, columns: Array, taken: Array) -> Array:
+    """Return the steps of the knots that explain most beyond a refit, after some taken already."""
     rest, plain = _rows(base, columns)
-    left = np.concatenate([base.unabsorbed, np.zeros(len(plain))])
+    left = np.concatenate([base.unabsorbed, -plain @ taken])
     return np.asarray(np.linalg.lstsq(np.vstack([rest, plain]), left, rcond=1e-6)[0])
 
 
@@ -359,7 +360,7 @@ def _further(
 
     The parameters move to where they suit the table, all of the way or so far as it gets better.
     """
-    whole = _steps(base, columns)
+    whole = _steps(base, columns, steps)
     undone = base.weighted - base.counted(columns @ whole)
     follow = np.linalg.lstsq(
         base.sensitivity, -np.concatenate([undone, base.distance]), rcond=None

@@ -129,7 +129,7 @@ MOISTURE = Effect(
             "chamber.heat_conductance", least=_LEAST_CONDUCTANCE,
         ),
         EffectParameter(
-            "loss", "", 0.0, -2.0, 1.0, (0.3,), "heat missing while the gas is warm",
+            "loss", "", 0.0, 0.0, 1.0, (0.3,), "heat missing while the gas is warm",
             "chamber.cooling_loss",
         ),
     ),

@@ -104,14 +104,11 @@ class Misfit:
         What it looks like, after "nothing in the catalogue explains what is left:".
     energy : float
         Its sum of squares, in those of the noise.
-    read : bool, optional
-        Whether it is in the reading of a transducer alone, where no table of the rig helps.
     """
 
     block: str
     words: str
     energy: float
-    read: bool = False
 
 
 Levels = Mapping[tuple[int, str], float]

@@ -14,7 +14,7 @@ from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE, 
 from pneuservo.diagnosis.screen import _adds, within_reach
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.starts import Begin
-from pneuservo.effects import effect_by_id
+from pneuservo.effects import effect_by_id, effects_of
 
 SAMPLES = 10_000
 
@@ -321,3 +321,10 @@ def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained
     promises = {"param.load.mass": 40.0, name: 30.0}
     found = tried._best_fitted(base, list(fits), promises, lambda name, closer: False)
     assert found[name].gain == (900.0 if strained else 20.0)
+
+
+@pytest.mark.parametrize(("effect", "sizes"), [("spool.lineariser", 6), ("spool.null-bias", 1)])
+def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
+    fit = leaves(1000.0, 0)
+    judge = ByGain(fit, fit, effects_of("single-axis"), lambda name, fit: 0.0)
+    assert judge.least(effect) == pytest.approx(sizes * LEAST_GAIN)

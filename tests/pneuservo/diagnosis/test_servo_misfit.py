@@ -19,19 +19,19 @@ def line(frequency, size=1.0):
     return size * np.sin(2.0 * np.pi * frequency * TIME + 0.3)
 
 
-def misfit(seed, adds, command=0.0, at_rest=None, recordings=2):
+def misfit(seed, adds, command=0.0, at_rest=None, recordings=2, samples=SAMPLES):
     """Return what is found in white noise with something added to some channels."""
     rng = np.random.default_rng(seed)
     cases, residuals = [], []
     for _ in range(recordings):
-        voltage = command + 0.01 * rng.standard_normal(SAMPLES)
+        voltage = (command + 0.01 * rng.standard_normal(SAMPLES))[:samples]
         inputs = {"feed": SimpleNamespace(voltage=voltage, interval=1e-3)}
         for channel in CHANNELS:
-            usable = np.ones(SAMPLES, dtype=bool)
+            usable = np.ones(samples, dtype=bool)
             cases.append(
                 SimpleNamespace(inputs=inputs, recorded=True, channel=channel, usable=usable)
             )
-            residuals.append(rng.standard_normal(SAMPLES) + adds.get(channel, 0.0))
+            residuals.append((rng.standard_normal(SAMPLES) + adds.get(channel, 0.0))[:samples])
         if at_rest is not None:
             cases.append(SimpleNamespace(inputs=inputs, recorded=False, channel=AT_REST))
             residuals.append(at_rest * np.ones(30))
@@ -44,21 +44,23 @@ def test_noise_is_no_misfit(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("samples", [1000, SAMPLES])
 @pytest.mark.parametrize("pole", [0.9, 0.99])
-def test_neither_is_noise_of_a_transducer_that_is_not_white(seed, pole):
+def test_neither_is_noise_of_a_transducer_that_is_not_white(seed, pole, samples):
     drive = np.random.default_rng(100 + seed).standard_normal((2, SAMPLES))
     coloured = 2.0 * np.sqrt(1.0 - pole**2) * lfilter([1.0], [1.0, -pole], drive)
-    assert misfit(seed, {"pressure_a": coloured[0], "pressure_b": coloured[1]}) is None
+    adds = {"pressure_a": coloured[0], "pressure_b": coloured[1]}
+    assert misfit(seed, adds, samples=samples) is None
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize(
-    ("channel", "block"),
-    [("pressure_b", "sensor.pressure"), ("displacement", "sensor.displacement")],
+    ("channel", "words"), [("pressure_a", "pressure a"), ("pressure_b", "pressure b")]
 )
-def test_a_line_in_one_reading_is_that_of_its_transducer(seed, channel, block):
+def test_a_line_in_one_reading_is_that_of_its_transducer(seed, channel, words):
     found = misfit(seed, {channel: line(37.3)})
-    assert found.block == block
+    assert found.block == "sensor.pressure"
+    assert words in found.words
     assert "37.3 Hz" in found.words
     # Half of the squared amplitude at each sample of both recordings.
     assert found.energy == pytest.approx(SAMPLES, rel=0.1)
@@ -71,6 +73,25 @@ def test_the_mains_are_no_misfit(frequency):
 
 def test_neither_is_what_the_command_swings_with():
     assert misfit(1, {"pressure_a": line(3.7)}, command=line(3.7)) is None
+
+
+@pytest.mark.parametrize("multiple", [1, 2, 3])
+def test_neither_is_how_a_periodic_command_is_bent(multiple):
+    bent = {"pressure_a": line(1.3 * multiple)}
+    assert misfit(1, bent, command=5.0 + line(1.3)) is None
+    # Between two multiples it is no answer to the command.
+    assert misfit(1, {"pressure_a": line(1.3 * multiple + 0.6)}, command=line(1.3)) is not None
+
+
+def test_a_channel_without_anything_left_says_nothing():
+    rng = np.random.default_rng(1)
+    feed = SimpleNamespace(voltage=rng.standard_normal(SAMPLES), interval=1e-3)
+    usable = np.ones(SAMPLES, dtype=bool)
+    cases = [
+        SimpleNamespace(inputs={"feed": feed}, recorded=True, channel=channel, usable=usable)
+        for channel in ("pressure_a", "pressure_b")
+    ]
+    assert misfit_of(cases, [np.zeros(SAMPLES), rng.standard_normal(SAMPLES)]) is None
 
 
 def test_a_line_that_several_channels_have_is_of_no_transducer():

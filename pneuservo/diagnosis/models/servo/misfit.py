@@ -17,17 +17,24 @@ _WIDE = 2
 _BESIDE = 20
 """... and so many, less these, are beside it."""
 _LOWEST = 0.3
-"""Lines below are drift [Hz]."""
+"""Lines below are drift [Hz] ..."""
+_HIGHEST = 0.49
+"""... and above this share of the sampling rate none is looked for."""
 _OFF_MAINS = 1.0
 """Lines as close to a multiple of the mains are hum [Hz]."""
 _ONE_TRANSDUCER = 5.0
 """What is so many times as strong in one channel as in any other is in its reading: what really
 swings shows elsewhere too."""
 _NOT_COMMANDED = 15.0
-"""The command has no line there: less than so many times the power beside it."""
+"""The command has no line there: less than so many times the power beside it ..."""
+_PERIODIC = 0.1
+"""... nor, where its strongest line has this share of its power, a fraction of the frequency ..."""
+_AS_FINE = 0.3
+"""... to this part of the distance of two frequencies."""
 _LOST_REST = 2.0
-"""A piston that rests under so many times what friction can hold (root mean square): in recordings
-without effect it was 0.9 at the most, and 1.6 where a transducer read what was not there."""
+"""A piston rests though it is pushed by more than friction can hold, by so many times how well that
+is known (root mean square): in recordings without effect it was 0.9 at the most, and 1.6 where a
+transducer read what was not there."""
 _SLOW = 0.5
 """What swings, as a share of the noise's power; without effect, 0.05 at the most."""
 _FASTEST = 10.0
@@ -35,7 +42,8 @@ _FASTEST = 10.0
 baseline left 1.2 times the noise in one pressure."""
 _TOGETHER = 0.5
 """Coherence with another channel below which it may be noise that is not white."""
-_SEGMENT = 1024
+_SEGMENT, _FEWEST = 1.0, 5
+"""Swings show in segments as long as this [s], of as many at least."""
 _STANDS_OUT = 2.5
 """Of the median power density; with some twenty segments noise alone does not reach it."""
 
@@ -48,8 +56,6 @@ class _Left:
     ----------
     channels : dict of str to (n,) array
         Innovations in units of their noise, 0 where they are not judged.
-    seen : dict of str to float
-        Share of the samples that are judged.
     command : (n,) array
         [V].
     interval : float
@@ -57,7 +63,6 @@ class _Left:
     """
 
     channels: dict[str, Array]
-    seen: dict[str, float]
     command: Array
     interval: float
 
@@ -80,10 +85,10 @@ def misfit_of(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | Non
     Notes
     -----
     Three things that innovations of the right model never show: a line in the reading of one
-    transducer that the command does not have; a piston that stays at rest under more than friction
-    can hold; and swings of a pressure as strong as half of its noise that another channel shares.
-    Of a displacement alone nothing is concluded: while a piston sticks and slips, friction that
-    gives way by some micrometres is left in it.
+    pressure that neither the command nor another channel has; a piston that stays at rest under
+    more than friction can hold; and swings of a pressure as strong as half of its noise that
+    another channel shares. Of a displacement alone nothing is concluded: while a piston sticks and
+    slips, friction that gives way by some micrometres is left in it.
     """
     lefts = _lefts(cases, residuals)
     found = [_line(lefts), _lost_rest(cases, residuals), _swing(lefts)]
@@ -94,33 +99,26 @@ def _lefts(cases: Sequence[Case], residuals: Sequence[Array]) -> list[_Left]:
     lefts: dict[int, _Left] = {}
     for case, residual in zip(cases, residuals, strict=True):
         fed = case.inputs["feed"]
-        left = lefts.setdefault(id(fed), _Left({}, {}, fed.voltage, fed.interval))
+        left = lefts.setdefault(id(fed), _Left({}, fed.voltage, fed.interval))
         if case.recorded:
             whole = np.zeros(len(case.usable))
             whole[case.usable] = residual
             left.channels[case.channel] = whole
-            left.seen[case.channel] = float(np.mean(case.usable))
     return list(lefts.values())
 
 
 def _line(lefts: Sequence[_Left]) -> Misfit | None:
-    """Return a line in the reading of one transducer, in every recording at one frequency."""
+    """Return a line in the reading of one pressure, in every recording at one frequency."""
     found = [
         _line_in(channel, lefts)
-        for channel in lefts[0].channels
-        if all(channel in left.channels for left in lefts)
+        for channel in PRESSURES
+        if all(channel in left.channels and len(left.channels) > 1 for left in lefts)
     ]
     return max((f for f in found if f is not None), key=lambda f: f.energy, default=None)
 
 
 def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
-    first = lefts[0]
-    powers, frequencies = _powers(first.channels[channel], first.interval)
-    powers = np.where(frequencies < _LOWEST, 0.0, powers)
-    peak = int(np.argmax(powers))
-    about = slice(max(peak - _WIDE, 0), peak + _WIDE + 1)
-    # Between two frequencies of the transform a line shows at both.
-    frequency = float(np.average(frequencies[about], weights=powers[about]))
+    frequency = _strongest(lefts[0].channels[channel], lefts[0].interval)
     if any(abs(frequency - k * m) < _OFF_MAINS for m in MAINS for k in range(1, 10)):
         return None
     energy = 0.0
@@ -131,20 +129,40 @@ def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
             for name, other in left.channels.items()
             if name != channel
         ]
-        commanded, _ = _line_at(left.command, left.interval, frequency)
-        if strength < _LINE or commanded > _NOT_COMMANDED:
+        if strength < _LINE or _commanded(left, frequency):
             return None
         if any(_ONE_TRANSDUCER * other > whole for other in others):
             return None
         energy += 2.0 * whole
-    reading = channel.replace("_", " ")
     return Misfit(
-        "sensor.pressure" if channel in PRESSURES else f"sensor.{channel}",
-        f"the reading of the {reading} has a line at {frequency:.3g} Hz that nothing else has, as "
-        "interference has, or a line from above half the sampling rate that is folded down",
+        "sensor.pressure",
+        f"the reading of the {channel.replace('_', ' ')} has a line at {frequency:.3g} Hz that "
+        "nothing else has, as interference has, or a line from above half the sampling rate that "
+        "is folded down",
         energy,
-        read=True,
     )
+
+
+def _strongest(samples: Array, interval: float) -> float:
+    """Return the frequency of the strongest line [Hz]; 0 where there is none."""
+    powers, frequencies = _powers(samples, interval)
+    peak = int(np.argmax(powers))
+    about = slice(max(peak - _WIDE, 0), peak + _WIDE + 1)
+    if not powers[peak] > 0.0:
+        return 0.0
+    # Between two frequencies of the transform a line shows at both.
+    return float(np.average(frequencies[about], weights=powers[about]))
+
+
+def _commanded(left: _Left, frequency: float) -> bool:
+    """Return whether the command has a line there, or at a fraction: what it drives bends."""
+    if _line_at(left.command, left.interval, frequency)[0] > _NOT_COMMANDED:
+        return True
+    ground = _strongest(left.command, left.interval)
+    powers, frequencies = _powers(left.command, left.interval)
+    if not ground or _line_at(left.command, left.interval, ground)[1] < _PERIODIC * np.sum(powers):
+        return False
+    return abs(frequency - round(frequency / ground) * ground) < _AS_FINE * float(frequencies[1])
 
 
 def _powers(samples: Array, interval: float) -> tuple[Array, Array]:
@@ -153,15 +171,20 @@ def _powers(samples: Array, interval: float) -> tuple[Array, Array]:
 
     # A line between two frequencies would leak into all.
     window = hann(len(samples), sym=False)
-    powers = np.abs(np.fft.rfft(window * samples)) ** 2 / np.sum(window**2)
-    return powers, np.asarray(np.fft.rfftfreq(len(samples), interval))
+    frequencies = np.fft.rfftfreq(len(samples), interval)
+    spectrum = np.fft.rfft(window * (samples - np.mean(samples)))
+    powers = np.abs(spectrum) ** 2 / np.sum(window**2) * (frequencies >= _LOWEST)
+    return powers, np.asarray(frequencies)
 
 
 def _line_at(samples: Array, interval: float, frequency: float) -> tuple[float, float]:
-    """Return how often a line exceeds the power beside it, and its power."""
+    """Return how often a line exceeds the power beside it, and its power; 0 out of reach."""
+    if not 0.0 < frequency < _HIGHEST / interval:
+        return 0.0, 0.0
     powers, frequencies = _powers(samples, interval)
     away = np.abs(np.round((frequencies - frequency) / frequencies[1]))
-    floor = float(np.mean(powers[(away > _WIDE) & (away <= _BESIDE)]))
+    beside = (away > _WIDE) & (away <= _BESIDE) & (frequencies >= _LOWEST)
+    floor = float(np.mean(powers[beside]))
     power = float(np.sum(powers[away <= _WIDE]))
     return power / max(floor, 1e-300), power
 
@@ -204,33 +227,37 @@ def _swing(lefts: Sequence[_Left]) -> Misfit | None:
 def _swings(left: _Left, channel: str) -> tuple[float, float]:
     """Return what stands out and is shared, in the power of the noise, and up to where [Hz]."""
     own = left.channels[channel]
-    powers = _density(own, own)
-    frequencies = np.arange(len(powers)) / min(_SEGMENT, len(own)) / left.interval
+    segment = round(_SEGMENT / left.interval)
+    if len(own) < _FEWEST * segment:
+        # Of few segments any two channels look coherent.
+        return 0.0, 0.0
+    powers = _density(own, own, segment)
+    frequencies = np.arange(len(powers)) / _SEGMENT
     stands_out = _standing_out(powers) * (frequencies < _FASTEST)
     total = float(np.sum(stands_out))
     if not total:
         return 0.0, 0.0
     shared = 0.0
     for name, other in left.channels.items():
-        there = _density(other, other)
+        there = _density(other, other, segment)
         if name == channel or np.sum(_standing_out(there)) * _ONE_TRANSDUCER <= total:
             continue
-        coherence = np.abs(_density(own, other)) ** 2 / (powers * there)
+        coherence = _density(own, other, segment) ** 2 / np.maximum(powers * there, 1e-300)
         shared = max(shared, float(np.sum(coherence * stands_out)) / total)
     if shared < _TOGETHER:
         return 0.0, 0.0
-    return total / len(powers), float(frequencies[np.flatnonzero(stands_out)[-1]])
+    return total / len(powers), float(frequencies[np.flatnonzero(stands_out)[-1] + 1])
 
 
-def _density(one: Array, other: Array) -> Array:
-    """Return the density of the power that two channels share, in segments."""
+def _density(one: Array, other: Array, segment: int) -> Array:
+    """Return the density of the power that two channels share, in segments of so many samples."""
     from scipy.signal import csd
 
-    _, found = csd(one, other, nperseg=min(_SEGMENT, len(one)), detrend=False)
+    _, found = csd(one, other, nperseg=segment, detrend="constant")
     return np.abs(found)
 
 
 def _standing_out(powers: Array) -> Array:
     """Return by how much powers exceed what noise reaches, in those of the noise."""
     floor = float(np.median(powers))
-    return np.clip(powers / floor - _STANDS_OUT, 0.0, None)
+    return np.clip(powers / floor - _STANDS_OUT, 0.0, None) if floor > 0.0 else 0.0 * powers

@@ -296,13 +296,6 @@ class ServoModel(Model):
         """Return what innovations of the right model never show."""
         return misfit_of(cases, residuals)
 
-    def suspects(
-        self, cases: Sequence[Case], residuals: Sequence[Array], noise: Sequence[float]
-    ) -> dict[str, float]:
-        """Return the block that what is no noise belongs to."""
-        found = misfit_of(cases, residuals)
-        return {self.block if found is None else found.block: 1.0}
-
     def imitate(
         self, cases: Sequence[Case], values: Sequence[Values], rng: np.random.Generator
     ) -> list[Case]:
