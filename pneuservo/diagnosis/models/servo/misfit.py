@@ -30,7 +30,9 @@ _NOT_COMMANDED = 15.0
 _PERIODIC = 0.1
 """... nor, where its strongest line has this share of its power, a fraction of the frequency ..."""
 _AS_FINE = 0.3
-"""... to this part of the distance of two frequencies."""
+"""... to this part of the distance of two frequencies ..."""
+_HARMONICS = 10
+"""... as many times at the most: what a command bends is weak beyond."""
 _LOST_REST = 2.0
 """A piston rests though it is pushed by more than friction can hold, by so many times how well that
 is known (root mean square): in recordings without effect it was 0.9 at the most, and 1.6 where a
@@ -162,7 +164,9 @@ def _commanded(left: _Left, frequency: float) -> bool:
     powers, frequencies = _powers(left.command, left.interval)
     if not ground or _line_at(left.command, left.interval, ground)[1] < _PERIODIC * np.sum(powers):
         return False
-    return abs(frequency - round(frequency / ground) * ground) < _AS_FINE * float(frequencies[1])
+    times = round(frequency / ground)
+    beside = abs(frequency - times * ground)
+    return times <= _HARMONICS and beside < _AS_FINE * float(frequencies[1])
 
 
 def _powers(samples: Array, interval: float) -> tuple[Array, Array]:
