@@ -84,7 +84,11 @@ def headline(answer: dict[str, Any]) -> str:
         names = ", ".join(answer["corrected_parameters"]) or "a parameter"
         return f"A parameter is off ({names}), no physics is missing: {change}."
     if answer["verdict"] == "unexplained":
-        return answer["missing"][0]["statement"] + f" Left over: {quantity(after, unit)}."
+        channel, left = _farthest_off(answer["fit"]["channels"])
+        much = quantity(left["after"]["used"], left["unit"])
+        return (
+            f"{answer['missing'][0]['statement']} Left of the {channel.replace('_', ' ')}: {much}."
+        )
     statements = " ".join(_claim(entry) for entry in answer["missing"])
     return f"{statements} With that in the model {change}."
 
@@ -94,6 +98,14 @@ def _most_improved(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     return max(
         channels.items(),
         key=lambda item: item[1]["before"]["used"] / max(item[1]["after"]["used"], 1e-300),
+    )
+
+
+def _farthest_off(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return the channel of which most is left, in its noise, and its figures."""
+    return max(
+        channels.items(),
+        key=lambda item: item[1]["after"]["used"] / max(item[1]["noise_rms"], 1e-300),
     )
 
 
