@@ -86,9 +86,8 @@ def headline(answer: dict[str, Any]) -> str:
     if answer["verdict"] == "unexplained":
         channel, left = _farthest_off(answer["fit"]["channels"])
         much = quantity(left["after"]["used"], left["unit"])
-        return (
-            f"{answer['missing'][0]['statement']} Left of the {channel.replace('_', ' ')}: {much}."
-        )
+        name = channel.replace("_", " ")
+        return f"{answer['missing'][0]['statement']} What is left of the {name} is {much}."
     statements = " ".join(_claim(entry) for entry in answer["missing"])
     return f"{statements} With that in the model {change}."
 
