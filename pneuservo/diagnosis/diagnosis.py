@@ -1,6 +1,6 @@
 """The diagnosis of a set of recordings: four questions and their answers."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -81,11 +81,24 @@ class Diagnosis:
         accepted = self.search.accepted
         if any(not member.startswith("param.") for member in accepted):
             return "missing-physics"
-        if self.unexplained is not None or self.misfit is not None:
+        if self.holds_nameless:
             return "unexplained"
         if accepted:
             return "parameter"
         return "unexplained" if self.structure_remains else "consistent"
+
+    @property
+    def holds_nameless(self) -> bool:
+        """Return whether something without a name was found, as a table or as a misfit."""
+        return self.unexplained is not None or self.misfit is not None
+
+    @property
+    def suspects(self) -> Mapping[str, float]:
+        """Return the blocks that what is left may belong to, with their shares of it."""
+        if self.misfit is not None:
+            return {self.misfit.block: 1.0}
+        search = self.search
+        return self.model.suspects(search.cases, search.chosen.residuals, search.noise)
 
     @cached_property
     def structure_remains(self) -> bool:
@@ -97,7 +110,7 @@ class Diagnosis:
         """
         chosen, cases = self.search.chosen, self.search.cases
         if self.model.tabulates:
-            return self.unexplained is not None or self.misfit is not None
+            return self.holds_nameless
         noise = self.search.noise_rms
         ratio = max(chosen.rms_of(channel) for channel in chosen.effective) / noise
         if ratio < SUSPICIOUS_RATIO:

@@ -199,7 +199,7 @@ def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
     Returns the probability that something without a name is at work.
     """
     unnamed = diagnosis.unnamed_share
-    if diagnosis.unexplained is not None or diagnosis.misfit is not None:
+    if diagnosis.holds_nameless:
         for entry in missing:
             entry["probability"] *= 1.0 - unnamed
         return unnamed
@@ -254,10 +254,7 @@ def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
 
 def _guilty(diagnosis: Diagnosis) -> str:
     """Return the block that most of what is left belongs to."""
-    if diagnosis.misfit is not None:
-        return diagnosis.misfit.block
-    search = diagnosis.search
-    suspects = search.model.suspects(search.cases, search.chosen.residuals, search.noise)
+    suspects = diagnosis.suspects
     return max(suspects, key=lambda block: suspects[block])
 
 

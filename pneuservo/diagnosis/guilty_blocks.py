@@ -59,10 +59,9 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         blames_rest = diagnosis.structure_remains and diagnosis.unexplained is None
     if blames_rest or not shares:
         left = search.chosen.residuals
-        suspects = search.model.suspects(search.cases, left, search.noise)
         if diagnosis.misfit is not None:
-            rest, suspects = max(rest, diagnosis.unnamed_share), {diagnosis.misfit.block: 1.0}
-        for block, part in suspects.items():
+            rest = max(rest, diagnosis.unnamed_share)
+        for block, part in diagnosis.suspects.items():
             blame(block, rest * part, np.concatenate(left) ** 2)
     total = sum(shares.values())
     if total <= 0.0:

@@ -317,7 +317,6 @@ def _fitted(
         found, steps, gain = closer, moved, more
         columns = _changes(model, cases, found, table, np.eye(len(steps)), steps)
     weighed = base.in_weights(found.scale)
-    gain = explained(weighed, found)
     spans = spans_beyond(weighed, [first])
     pretended = max((most_gained(spans, copy) for copy in copies(weighed)), default=0.0)
     if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):

@@ -243,8 +243,10 @@ def _swings(left: _Left, channel: str) -> tuple[float, float]:
         return 0.0, 0.0
     shared = 0.0
     for name, other in left.channels.items():
+        if name == channel:
+            continue
         there = _density(other, other, segment)
-        if name == channel or np.sum(_standing_out(there)) * _ONE_TRANSDUCER <= total:
+        if np.sum(_standing_out(there)) * _ONE_TRANSDUCER <= total:
             continue
         coherence = _density(own, other, segment) ** 2 / np.maximum(powers * there, 1e-300)
         shared = max(shared, float(np.sum(coherence * stands_out)) / total)
