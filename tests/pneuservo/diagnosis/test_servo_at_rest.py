@@ -1,11 +1,13 @@
 """A piston at rest tells how much force friction holds, and no more than that moves it."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from servo_recordings import NOISE
+from servo_recordings import NOISE, noisy
 
+from pneuservo.controllers import Proportional
 from pneuservo.diagnosis import diagnose
 from pneuservo.diagnosis.models.servo.feed import AT_REST
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
@@ -17,6 +19,7 @@ from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
 TIME = np.arange(0.0, 6.0, 1e-3)
+STICKING = {"friction.stribeck:excess": 6.0, "friction.stribeck:speed": 0.013}
 DWELL = {"friction.breakaway-dwell:excess": 3.0, "friction.breakaway-dwell:time": 0.3}
 
 
@@ -55,6 +58,31 @@ def test_a_piston_at_rest_does_not_follow_the_wandering_zero():
     inside = slice(200, -200)
     assert np.std(velocity[inside]) < 2e-5
     assert np.median(velocity_rms) < 5e-5
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("demand", "stuck", "left"),
+    [
+        # It sticks and slips, with far more friction than the baseline has.
+        (np.interp(TIME, [0.0, 3.0, 6.0], [0.008, 0.022, 0.008]), 0.5, 1.05),
+        # Released 10 ms too early, it left 1.8 times the noise.
+        (np.where(TIME % 1.0 < 0.5, 0.012, 0.019), 0.5, 1.4),
+    ],
+    ids=["slowly", "in steps"],
+)
+def test_a_piston_that_sticks_is_held_until_it_breaks_away(rig, demand, stuck, left, seed):
+    run = simulate(rig.with_values(STICKING), time=TIME, controller=Proportional(), demand=demand)
+    recording = replace(noisy(run, np.random.default_rng(seed)), noise_rms=NOISE)
+    model, speed = ServoModel(), np.abs(run["velocity"])
+    cases = model.cases(recording, rig)
+    fed = cases[0].inputs["feed"]
+    assert np.mean(fed.held[speed < 1e-5]) > 0.97
+    assert np.mean(speed[fed.held] > 5e-3) < 3e-3
+    assert fed.stuck.mean() > stuck
+    displacement = next(case for case in cases if case.channel == "displacement")
+    missed = (displacement.measured - model.predict(displacement, STICKING))[displacement.usable]
+    assert np.sqrt(np.mean(missed**2)) < left
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -14,7 +14,8 @@ from pneuservo.diagnosis.models.servo.command import (
     running_command,
     unseen,
 )
-from pneuservo.diagnosis.models.servo.motion import averaged_samples, smooth_motion
+from pneuservo.diagnosis.models.servo.motion import smooth_motion
+from pneuservo.diagnosis.models.servo.rests import averaged_samples
 from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import (
     AVERAGED_AT_REST,
@@ -258,9 +259,9 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         (force_rms or 0.0) / mass,
         rig["piston.coulomb_friction"] / mass,
     )
-    motion, moving = np.array(smoothed), float(np.max(velocity_rms))
-    reversal = max(moving, SLOWEST_MOTION)
-    velocity_rms = np.where(velocity_rms < moving, velocity_rms, reversal)
+    motion, moving = np.array(smoothed), velocity_rms if rest.all() else velocity_rms[~rest]
+    reversal = max(float(np.median(moving)), SLOWEST_MOTION)
+    velocity_rms = np.where(rest, velocity_rms, reversal)
     if np.nanstd(fed.reading) < NEVER_MOVES * fed.noise["displacement"]:
         # Of a piston that never moves only noise would be taken for motion.
         motion = np.array(

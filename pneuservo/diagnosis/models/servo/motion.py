@@ -5,6 +5,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.diagnosis.models.servo.rests import (
+    REST_FORCE,
+    Likely,
+    averaged_samples,
+    chatters,
+    rests_at_first_sight,
+    settled,
+    short_rests,
+)
 from pneuservo.diagnosis.models.servo.smoother import GLIDING, smooth
 
 Array = NDArray[np.float64]
@@ -23,13 +32,8 @@ RESTS = (
 )
 """A piston at rest glides to a stop, or creeps at such a speed [m/s] while that at which it came
 fades within such a time [s], as loops bring it to a set point; again the likeliest."""
-REST_TIME = 0.1
-"""Time over which it has to look at rest [s] ..."""
-REST_FORCE = 5.0
-"""... and over which the pressures' force may swing by more than all of the Coulomb friction, in
-its own noise: in chatter too a piston moves by less than its displacement's noise."""
-FORCE_SMOOTHING = 5e-3
-"""Time over which their force is averaged [s]."""
+EDGE = 5e-3
+"""When a piston comes to rest and breaks away is known to about this [s]."""
 
 
 def smooth_motion(
@@ -97,63 +101,52 @@ def smooth_motion(
     ) -> float:
         return float(np.sum(passed(rest, change, way)[2]))
 
-    change = max(FORCE_CHANGES, key=lambda change: likelihood(nowhere, change))
-    states, variances, likely = passed(nowhere, change, back=True)
-    # A moving piston's velocity is as well known as it is on the whole.
-    typical = float(np.median(variances))
-    likely_at_rest = passed(everywhere, change)[2]
+    def likeliest_way(rest: NDArray[np.bool_]) -> tuple[float, float]:
+        return max(RESTS, key=lambda way: likelihood(rest, change, way))
+
+    def likely(rest: NDArray[np.bool_]) -> Likely:
+        way = likeliest_way(rest)
+        return lambda close: passed(close, change, way)[2]
+
+    def likeliest_change(rest: NDArray[np.bool_], way: tuple[float, float] = RESTS[0]) -> float:
+        return max(FORCE_CHANGES, key=lambda change: likelihood(rest, change, way))
+
+    change = likeliest_change(nowhere)
+    moving = passed(nowhere, change)[2]
     interval = float(np.median(np.diff(time)))
     most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(averaged_samples(interval))
-    rest = _at_rest(likely_at_rest - likely, interval)
-    rest[_swing(known, interval) > most] = False
-    if rest.any():
-        way = max(RESTS, key=lambda way: likelihood(rest, change, way))
-        states, variances, _ = passed(rest, change, way, back=True)
+    chatter = chatters(known, most, math.sqrt(variance), interval)
+    at_rest = passed(everywhere, change)[2]
+    long = rests_at_first_sight(at_rest - moving, chatter, interval)
+    there = np.isfinite(measured)
+    closed = np.interp(time, time[there], measured[there])
+    short = short_rests(closed, variance, moving, chatter, interval)
+    rest, way, likeliest = nowhere, RESTS[0], float(np.sum(moving))
+    for tried in (long, long | short):
+        if tried.any():
+            found = settled(tried, likely, interval)
+            # Where each begins and ends was chosen too (Schwarz 1978).
+            chosen = np.count_nonzero(found[1:] != found[:-1])
+            comes = likeliest_way(found)
+            worth = likelihood(found, change, comes) - 0.5 * chosen * math.log(len(found))
+            if worth > likeliest:
+                rest, way, likeliest = found, comes, worth
+    # While it rests, nothing jumps: how much does otherwise shows now.
+    states, variances, _ = passed(rest, likeliest_change(rest, way), way, back=True)
+    # A moving piston's velocity is as well known as it is on the whole.
+    typical = float(np.median(variances if rest.all() else variances[~rest]))
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
-    velocity_rms = np.sqrt(np.where(rest, np.clip(variances, 0.0, typical), typical))
+    # Where a rest begins and ends, the velocity is known as well as the moment.
+    unsure = _change(states[:, 1], interval) if rest.any() else 0.0
+    at_rest = np.clip(variances + unsure**2, 0.0, None)
+    velocity_rms = np.sqrt(np.where(rest, at_rest, typical))
     return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms, rest
 
 
-def _at_rest(likelier: Array, interval: float) -> NDArray[np.bool_]:
-    """Return where the piston rests, from how much likelier that makes the readings."""
-    from scipy.ndimage import uniform_filter1d
-
-    width = max(1, round(REST_TIME / interval))
-    return np.asarray(uniform_filter1d(likelier, width, mode="nearest") > 0.0)
-
-
-def _swing(driving: Array, interval: float) -> Array:
-    """Return from where to where the averaged force goes around each sample."""
+def _change(velocity: Array, interval: float) -> Array:
+    """Return by how much a velocity changes within the time that an edge may be off [m/s]."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-    width = max(1, round(REST_TIME / interval))
-    smooth = averaged(driving, interval)
-    return np.asarray(maximum_filter1d(smooth, width) - minimum_filter1d(smooth, width))
-
-
-def averaged(readings: Array, interval: float, over: float = FORCE_SMOOTHING) -> Array:
-    """Return pressures, or the force that they give, without most of their noise.
-
-    Parameters
-    ----------
-    readings : (..., n) array
-        [any unit].
-    interval : float
-        Of the samples [s].
-    over : float, optional
-        Time round each sample that is averaged over [s].
-    """
-    from scipy.ndimage import uniform_filter1d
-
-    return np.asarray(uniform_filter1d(readings, averaged_samples(interval, over), mode="nearest"))
-
-
-def averaged_samples(interval: float, over: float = FORCE_SMOOTHING) -> int:
-    """Return how many samples `averaged` takes the mean of.
-
-    Parameters
-    ----------
-    interval, over : float
-        Of the samples; that is averaged over [s].
-    """
-    return max(1, round(over / interval))
+    width = 2 * max(1, round(EDGE / interval)) + 1
+    highest, lowest = maximum_filter1d(velocity, width), minimum_filter1d(velocity, width)
+    return np.asarray(np.maximum(highest - velocity, velocity - lowest))

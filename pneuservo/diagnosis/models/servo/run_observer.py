@@ -10,8 +10,8 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     SPOOL_ZERO,
     beyond_expected,
 )
-from pneuservo.diagnosis.models.servo.motion import averaged
 from pneuservo.diagnosis.models.servo.observer import observe
+from pneuservo.diagnosis.models.servo.rests import averaged
 from pneuservo.diagnosis.models.servo.steps import FINEST, dividing, steps_beside
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import expected_supply

@@ -33,6 +33,23 @@ def _transition(interval, creeps, fades):
 
 
 @compiled
+def _carry(state, spread, step):
+    """Carry a state and its covariance on; written out, for matrices as small cost calls alone."""
+    moved, half = np.zeros(4), np.zeros((4, 4))
+    for i in range(4):
+        for j in range(4):
+            moved[i] += step[i, j] * state[j]
+            for m in range(4):
+                half[i, j] += step[i, m] * spread[m, j]
+    for i in range(4):
+        state[i] = moved[i]
+        for j in range(4):
+            spread[i, j] = 0.0
+            for m in range(4):
+                spread[i, j] += half[i, m] * step[j, m]
+
+
+@compiled
 def _spread_out(spread, interval, driving_variance, change):
     """Add what the noise of the driving force and a jumping disturbance make uncertain."""
     h, wander = interval, change * change / FORCE_CHANGE_TIME
@@ -97,10 +114,11 @@ def smooth(
     """
     n = time.shape[0]
     predicted, filtered = np.zeros((n, 4)), np.zeros((n, 4))
-    spread_predicted, spread_filtered = np.zeros((n, 4, 4)), np.zeros((n, 4, 4))
+    kept = n if back else 1
+    spread_predicted, spread_filtered = np.zeros((kept, 4, 4)), np.zeros((kept, 4, 4))
     state, likelihood, came = np.zeros(4), np.zeros(n), 0.0
     wandering = LIKELY_WANDER**2 * variance
-    spread = np.diag(np.array([1e-4, 1.0, 1e4, wandering]))
+    spread, row = np.diag(np.array([1e-4, 1.0, 1e4, wandering])), np.zeros(4)
     for k in range(n):
         if k:
             h = time[k] - time[k - 1]
@@ -110,8 +128,7 @@ def smooth(
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
                 came = state[1]
-            state = step @ state
-            spread = step @ spread @ step.T
+            _carry(state, spread, step)
             if creeps:
                 came *= step[1, 1]
                 uneven = creep * creep + (UNEVEN_FADING * came) ** 2
@@ -125,22 +142,26 @@ def smooth(
                 state[1] += h * mean
                 _spread_out(spread, h, driving_variance, change)
             spread[3, 3] += wandering * (1.0 - step[3, 3] ** 2)
-        predicted[k] = state
-        spread_predicted[k] = spread
+        if back:
+            predicted[k] = state
+            spread_predicted[k] = spread
         if measured[k] == measured[k]:
-            row = spread[0] + spread[3]
+            for j in range(4):
+                row[j] = spread[0, j] + spread[3, j]
             expected, error = row[0] + row[3] + variance, measured[k] - state[0] - state[3]
             likelihood[k] = -0.5 * (math.log(expected) + error * error / expected)
-            gain = row / expected
-            state = state + gain * error
             for i in range(4):
+                state[i] += row[i] / expected * error
                 for j in range(4):
-                    spread[i, j] -= gain[i] * row[j]
+                    spread[i, j] -= row[i] * row[j] / expected
         filtered[k] = state
-        spread_filtered[k] = spread
+        if back:
+            spread_filtered[k] = spread
     velocity_variance = np.zeros(n)
+    if not back:
+        return filtered, velocity_variance, likelihood
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
-    for k in range(n - 2 if back else -1, -1, -1):
+    for k in range(n - 2, -1, -1):
         step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING, fades)
         share = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         filtered[k] = filtered[k] + share @ (filtered[k + 1] - predicted[k + 1])

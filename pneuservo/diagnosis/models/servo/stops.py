@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.models.servo.motion import averaged
+from pneuservo.diagnosis.models.servo.rests import averaged
 
 NEAR_STOP = 5e-4
 """Distance from a stop within which the piston may touch it [m]."""
