@@ -83,7 +83,7 @@ class Hypotheses:
         asked = (base.hypothesis, tuple(names), tuple(keep))
         if asked not in self._promising:
             self._promising[asked] = promising(
-                base, self.pretence.signatures, names, keep, self._one_sided
+                base, self.pretence.signatures_beside(base), names, keep, self._one_sided
             )
         found = dict(self._promising[asked])
         if base is self.baseline and self._from_nominal:

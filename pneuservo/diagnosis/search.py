@@ -355,6 +355,8 @@ class Search(Hypotheses):
         current = self.chosen
         judge = self._judge(current)
         names = self._compatible(self.accepted)
+        if self.model.steady:
+            self.pretence.work_out_beside(current)
         promises = self._promises(current, names)
         if promises_count(current):
             promises = {

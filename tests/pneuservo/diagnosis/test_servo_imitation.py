@@ -53,6 +53,23 @@ def test_an_imitation_leaves_what_the_recording_of_a_perfect_model_does(make, ri
             assert max(left, there) < 1.0
 
 
+def test_an_imitation_sticks_at_times_of_its_own(rig):
+    sticking = {"friction.stribeck:excess": 6.0, "friction.stribeck:speed": 0.013}
+    time = np.arange(0.0, 4.0, 1e-3)
+    demand = np.where(time % 1.0 < 0.5, 0.012, 0.019)
+    run = simulate(rig.with_values(sticking), time=time, controller=SlidingMode(), demand=demand)
+    model = ServoModel()
+    cases = model.cases(noisy(run, np.random.default_rng(3)), rig)
+    values = [sticking for _ in cases]
+    for copy in model.imitate(cases, values, np.random.default_rng(1)):
+        left = (copy.measured - model.predict(copy, sticking))[copy.usable]
+        # Held and let go with the recording it was left at 3.6 times its noise.
+        assert np.sqrt(np.mean(left**2)) < 1.2, copy.channel
+        if copy.channel == "displacement":
+            # It is not judged where either of them sticks.
+            assert np.mean(left != 0.0) > 0.7
+
+
 def test_a_wandering_zero_of_the_supply_leaves_white_noise():
     time = np.arange(0.0, 20.0, 1e-3)
     rng = np.random.default_rng(2)

@@ -103,7 +103,8 @@ def imitated(
         pressure_rates=copy.pressure_rates,
         supply_reading=copy.supply_reading,
         spool_reading=copy.spool_reading,
-        # It comes to rest at times of its own.
+        # It comes to rest at times of its own; only what both tell is judged.
+        held=np.where(fed.resting != 0, fed.held, copy.held),
         stuck=copy.stuck & fed.stuck,
         done=Recent(),
     )
