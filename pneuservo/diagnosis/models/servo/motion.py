@@ -1,6 +1,7 @@
 """The motion behind a noisy displacement: where the piston is, and when it moves which way."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from pneuservo.diagnosis.models.servo.rests import (
     REST_FORCE,
     Likely,
+    Mask,
     averaged_samples,
     chatters,
     rests_at_first_sight,
@@ -17,6 +19,8 @@ from pneuservo.diagnosis.models.servo.rests import (
 from pneuservo.diagnosis.models.servo.smoother import GLIDING, smooth
 
 Array = NDArray[np.float64]
+Way = tuple[float, float]
+"""How a piston comes to rest, one of `RESTS`."""
 
 FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2]; the one that
@@ -43,7 +47,7 @@ def smooth_motion(
     driving: Array | None,
     driving_rms: float,
     friction: float,
-) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
+) -> tuple[Array, Array, Array, Array, Mask]:
     """Return displacement, velocity and acceleration without the displacement's noise.
 
     Parameters
@@ -82,57 +86,15 @@ def smooth_motion(
     """
     known = np.zeros_like(time) if driving is None else driving
     start = float(displacement[np.isfinite(displacement)][0])
-    measured, variance = displacement - start, max(noise_rms, 1e-9) ** 2
-    nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
-
-    def passed(
-        rest: NDArray[np.bool_],
-        change: float,
-        way: tuple[float, float] = RESTS[0],
-        back: bool = False,
-    ) -> tuple[Array, Array, Array]:
-        found: tuple[Array, Array, Array] = smooth(
-            time, measured, variance, known, driving_rms**2, change, rest, *way, friction, back
-        )
-        return found
-
-    def likelihood(
-        rest: NDArray[np.bool_], change: float, way: tuple[float, float] = RESTS[0]
-    ) -> float:
-        return float(np.sum(passed(rest, change, way)[2]))
-
-    def likeliest_way(rest: NDArray[np.bool_]) -> tuple[float, float]:
-        return max(RESTS, key=lambda way: likelihood(rest, change, way))
-
-    def likely(rest: NDArray[np.bool_]) -> Likely:
-        way = likeliest_way(rest)
-        return lambda close: passed(close, change, way)[2]
-
-    def likeliest_change(rest: NDArray[np.bool_], way: tuple[float, float] = RESTS[0]) -> float:
-        return max(FORCE_CHANGES, key=lambda change: likelihood(rest, change, way))
-
-    change = likeliest_change(nowhere)
-    moving = passed(nowhere, change)[2]
+    variance = max(noise_rms, 1e-9) ** 2
+    filtered = _Filter(time, displacement - start, variance, known, driving_rms**2, friction)
     interval = float(np.median(np.diff(time)))
     most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(averaged_samples(interval))
     chatter = chatters(known, most, math.sqrt(variance), interval)
-    at_rest = passed(everywhere, change)[2]
-    long = rests_at_first_sight(at_rest - moving, chatter, interval)
-    there = np.isfinite(measured)
-    closed = np.interp(time, time[there], measured[there])
-    short = short_rests(closed, variance, moving, chatter, interval)
-    rest, way, likeliest = nowhere, RESTS[0], float(np.sum(moving))
-    for tried in (long, long | short):
-        if tried.any():
-            found = settled(tried, likely, interval)
-            # Where each begins and ends was chosen too (Schwarz 1978).
-            chosen = np.count_nonzero(found[1:] != found[:-1])
-            comes = likeliest_way(found)
-            worth = likelihood(found, change, comes) - 0.5 * chosen * math.log(len(found))
-            if worth > likeliest:
-                rest, way, likeliest = found, comes, worth
+    rest, way = _where_it_rests(filtered, chatter, interval)
     # While it rests, nothing jumps: how much does otherwise shows now.
-    states, variances, _ = passed(rest, likeliest_change(rest, way), way, back=True)
+    change = filtered.likeliest_change(rest, way)
+    states, variances, _ = filtered.passed(rest, change, way, back=True)
     # A moving piston's velocity is as well known as it is on the whole.
     typical = float(np.median(variances if rest.all() else variances[~rest]))
     acceleration = states[:, 2] + np.where(rest, 0.0, known)
@@ -141,6 +103,74 @@ def smooth_motion(
     at_rest = np.clip(variances + unsure**2, 0.0, None)
     velocity_rms = np.sqrt(np.where(rest, at_rest, typical))
     return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms, rest
+
+
+@dataclass(frozen=True)
+class _Filter:
+    """A displacement and what drives it, to be smoothed; as in `smooth`."""
+
+    time: Array
+    measured: Array
+    variance: float
+    driving: Array
+    driving_variance: float
+    friction: float
+
+    def passed(
+        self, rest: Mask, change: float, way: Way = RESTS[0], back: bool = False
+    ) -> tuple[Array, Array, Array]:
+        """Return states, variances of the velocity, and how likely each reading is."""
+        found: tuple[Array, Array, Array] = smooth(
+            self.time,
+            self.measured,
+            self.variance,
+            self.driving,
+            self.driving_variance,
+            change,
+            rest,
+            *way,
+            self.friction,
+            back,
+        )
+        return found
+
+    def likelihood(self, rest: Mask, change: float, way: Way = RESTS[0]) -> float:
+        return float(np.sum(self.passed(rest, change, way)[2]))
+
+    def likeliest_way(self, rest: Mask, change: float) -> Way:
+        return max(RESTS, key=lambda way: self.likelihood(rest, change, way))
+
+    def likeliest_change(self, rest: Mask, way: Way = RESTS[0]) -> float:
+        return max(FORCE_CHANGES, key=lambda change: self.likelihood(rest, change, way))
+
+
+def _where_it_rests(filtered: _Filter, chatter: Mask, interval: float) -> tuple[Mask, Way]:
+    """Return where a piston rests and how it comes to rest, or nowhere, as is likeliest."""
+    time, measured, variance = filtered.time, filtered.measured, filtered.variance
+    nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
+    change = filtered.likeliest_change(nowhere)
+
+    def likely(rest: Mask) -> Likely:
+        way = filtered.likeliest_way(rest, change)
+        return lambda close: filtered.passed(close, change, way)[2]
+
+    moving = filtered.passed(nowhere, change)[2]
+    at_rest = filtered.passed(everywhere, change)[2]
+    long = rests_at_first_sight(at_rest - moving, chatter, interval)
+    there = np.isfinite(measured)
+    closed = np.interp(time, time[there], measured[there])
+    short = short_rests(closed, variance, moving, chatter, interval)
+    best, most = (nowhere, RESTS[0]), float(np.sum(moving))
+    for tried in (long, long | short):
+        if tried.any():
+            rest = settled(tried, likely, interval)
+            way = filtered.likeliest_way(rest, change)
+            # Where each begins and ends was chosen too (Schwarz 1978).
+            chosen = np.count_nonzero(rest[1:] != rest[:-1])
+            worth = filtered.likelihood(rest, change, way) - 0.5 * chosen * math.log(len(rest))
+            if worth > most:
+                best, most = (rest, way), worth
+    return best
 
 
 def _change(velocity: Array, interval: float) -> Array:
