@@ -8,7 +8,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, explained
-from pneuservo.diagnosis.fitting import beyond_ridges, fit
+from pneuservo.diagnosis.fitting import beyond_ridges
+from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
@@ -17,7 +18,6 @@ from pneuservo.diagnosis.readings import (
     Reading,
     likelier_with,
     likeliest_followed,
-    likeliest_held_back,
     ranked_readings,
 )
 from pneuservo.diagnosis.search import Search
@@ -169,7 +169,8 @@ def diagnose(
     recordings : sequence of Recording
         Recordings to learn from, at least one.
     validate : sequence of Recording, optional
-        Recordings to be held back: nothing shared is fitted to them.
+        Recordings to be held back: nothing shared is fitted to them, and what little explains the
+        others is only named where it explains these as well.
     rig : str, Path or Rig, optional
         The rig, where it is not the one the recordings name; also a repaired ``model.toml``.
     progress : callable, optional
@@ -212,22 +213,21 @@ def diagnose(
     with threadpool_limits(limits=1, user_api="blas"):
         search = _as_read(Search(model, cases, progress, seed, jobs))
         search.run()
+        kept_out = HeldBack(model, held_back, search.cases[0])
         unexplained = misfit = None
         if not search.interrupted:
+            search.drop_refuted(kept_out)
             search.profile()
-            unexplained, misfit = _unexplained(search)
+            unexplained, misfit = _unexplained(search, kept_out)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
-            held_back = likeliest_held_back(model, held_back, repaired, search.cases[0])
-            before, after = (
-                fit(model, held_back, f.hypothesis, fixed=f.shared, reference=search.cases[0])
-                for f in (search.baseline, repaired)
-            )
-    return Diagnosis(chosen_rig, model, search, held_back, before, after, unexplained, misfit)
+            kept_out = kept_out.read_with(repaired)
+            before, after = (kept_out.predicted(f) for f in (search.baseline, repaired))
+    return Diagnosis(chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit)
 
 
-def _unexplained(search: Search) -> tuple[Unexplained | None, Misfit | None]:
+def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | None, Misfit | None]:
     """Return what has no name, as a table or else as what it looks like.
 
     Where it explains far more than the names do, or is more, they are dropped.
@@ -248,6 +248,11 @@ def _unexplained(search: Search) -> tuple[Unexplained | None, Misfit | None]:
         search.pretence.copies,
         search.jobs,
     )
+    if found is not None:
+        beside = search.baseline if found.instead else search.chosen
+        # Whatever a table explains: it can follow what no law would.
+        if held_back.read_with(found.fit).are_predicted_worse(beside, found.fit):
+            found = None
     if found is not None and (misfit is None or found.gain > misfit.energy):
         if found.instead:
             search.give_up()

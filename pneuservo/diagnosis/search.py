@@ -10,6 +10,7 @@ import numpy as np
 from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
@@ -160,8 +161,26 @@ class Search(Hypotheses):
             weakest = min(self.over_chance, key=self.over_chance.__getitem__, default="")
             if not weakest or self.over_chance[weakest] > 1.0:
                 break
-            self.accepted.remove(weakest)
-            self.ledger.append(Step(tuple(self.accepted), "", True, weakest))
+            self._drop(weakest)
+
+    def _drop(self, member: str) -> None:
+        self.accepted.remove(member)
+        self.ledger.append(Step(tuple(self.accepted), "", True, member))
+
+    def drop_refuted(self, held_back: HeldBack) -> None:
+        """Drop what recordings that were held back speak against, the last that was added first.
+
+        Parameters
+        ----------
+        held_back : HeldBack
+            None of them may have been fitted to.
+        """
+        if not self.model.steady or not held_back.cases or not self.accepted:
+            return
+        self.progress("asking what was held back about what was found")
+        for member in self.accepted[::-1]:
+            if held_back.read_with(self.chosen).refute(self._rest(member), self.chosen):
+                self._drop(member)
 
     def profile(self) -> None:
         """Take the intervals of what was accepted from their profile likelihood."""

@@ -6,6 +6,9 @@ _RIGS = ("seal-tester",)
 _BOTH = ("seal-tester", "single-axis")
 _SERVO = ("single-axis",)
 
+_LEAST_TRAVEL = 1e-6
+"""Seals shear by 5 to 100 um (Tran and others 2012), contacts of steel by 2 to 5 um
+(Armstrong-Helouvry, Dupont, Canudas de Wit 1994)."""
 
 PRESSURE = Effect(
     id="friction.pressure",
@@ -39,6 +42,7 @@ PRESLIDING = Effect(
             (1e-4,),
             "distance over which friction builds up",
             "friction.presliding_travel",
+            least=_LEAST_TRAVEL,
         ),
         EffectParameter(
             "exponent",
