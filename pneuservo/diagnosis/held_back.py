@@ -81,5 +81,8 @@ class HeldBack:
         if not self.cases:
             return False
         without, with_it = self.predicted(before), self.predicted(after)
+        # In weights of what was used: what is predicted wrongly must not pass for noise.
+        known = {c: after.scale[c] for c in with_it.scale if c in after.scale}
+        with_it = with_it.in_weights({**with_it.scale, **known})
         change = with_it.weighted - with_it.weigh(without.residuals)
         return float(np.sum(change**2)) > SHOWS and explained(without, with_it) < 0.0
