@@ -63,6 +63,8 @@ class Step:
         Share of what the baseline leaves unexplained.
     rms : mapping of str to float, optional
         What each candidate leaves [SI].
+    why : str, optional
+        Why the member had to go, where nothing took its place.
     """
 
     base: tuple[str, ...]
@@ -72,3 +74,4 @@ class Step:
     evidence_drop: float = 0.0
     share: float = 0.0
     rms: Mapping[str, float] = field(default_factory=dict)
+    why: str = ""

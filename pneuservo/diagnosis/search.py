@@ -161,11 +161,11 @@ class Search(Hypotheses):
             weakest = min(self.over_chance, key=self.over_chance.__getitem__, default="")
             if not weakest or self.over_chance[weakest] > 1.0:
                 break
-            self._drop(weakest)
+            self._drop(weakest, "chance explains as much")
 
-    def _drop(self, member: str) -> None:
+    def _drop(self, member: str, why: str) -> None:
         self.accepted.remove(member)
-        self.ledger.append(Step(tuple(self.accepted), "", True, member))
+        self.ledger.append(Step(tuple(self.accepted), "", True, member, why=why))
 
     def drop_refuted(self, held_back: HeldBack) -> None:
         """Drop what recordings that were held back speak against, the last that was added first.
@@ -180,7 +180,7 @@ class Search(Hypotheses):
         self.progress("asking what was held back about what was found")
         for member in self.accepted[::-1]:
             if held_back.read_with(self.chosen).refute(self._rest(member), self.chosen):
-                self._drop(member)
+                self._drop(member, "what was held back is predicted worse with it")
 
     def profile(self) -> None:
         """Take the intervals of what was accepted from their profile likelihood."""
@@ -197,9 +197,8 @@ class Search(Hypotheses):
 
     def give_up(self) -> None:
         """Drop every name: something without one explains the recordings better."""
-        for member in self.accepted:
-            self.ledger.append(Step((), "", True, member))
-        self.accepted.clear()
+        for member in list(self.accepted):
+            self._drop(member, "something without a name explains more")
 
     @property
     def _worth_going_on(self) -> bool:

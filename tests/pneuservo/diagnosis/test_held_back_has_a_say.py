@@ -55,6 +55,7 @@ def test_a_name_has_to_explain_what_was_held_back(
     again.drop_refuted(HeldBack(model, kept_out[what], used[0]))
     assert again.accepted == named
     assert [step.replaced for step in again.ledger] == ([] if named else [EFFECT])
+    assert all("held back" in step.why for step in again.ledger)
 
 
 def test_what_explains_much_is_not_refuted_by_what_was_held_back(cases, search, monkeypatch):
