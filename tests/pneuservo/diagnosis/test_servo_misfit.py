@@ -100,13 +100,24 @@ def test_a_line_that_several_channels_have_is_of_no_transducer():
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_pressures_that_swing_together_are_pushed_by_something(seed):
+@pytest.mark.parametrize("size", [1.5, 0.7])
+def test_pressures_that_swing_together_are_pushed_by_something(seed, size):
     drive = np.random.default_rng(200 + seed).standard_normal(SAMPLES)
     slow = lfilter([1.0], [1.0, -0.98], drive)
-    slow *= 1.5 / np.std(slow)
+    slow *= size / np.std(slow)
     found = misfit(seed, {"pressure_a": slow, "pressure_b": -slow, "displacement": slow})
     assert found.block == "piston"
     assert "pressure a and the pressure b swing" in found.words
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(("size", "found"), [(1.5, True), (0.3, False)])
+def test_a_supply_that_swings_by_itself_is_told(seed, size, found):
+    drive = np.random.default_rng(300 + seed).standard_normal(SAMPLES)
+    slow = lfilter([1.0], [1.0, -0.98], drive)
+    told = misfit(seed, {"supply_pressure": slow * size / np.std(slow)})
+    assert (told is not None) == found
+    assert not found or told.block == "supply"
 
 
 def test_a_piston_that_rests_under_more_than_friction_holds_is_pushed_by_something():

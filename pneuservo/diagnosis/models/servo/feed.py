@@ -30,11 +30,12 @@ from pneuservo.rigs import Rig
 Array = NDArray[np.float64]
 
 PRESSURES = ("pressure_a", "pressure_b")
+SUPPLY = "supply_pressure"
 AT_REST = "friction at rest"
 """What is judged beside the channels while friction holds the piston."""
 FOLLOWED = (*PRESSURES, "displacement")
 """Channels that the observer follows, in its order."""
-CHANNELS = (*FOLLOWED, "supply_pressure", "spool")
+CHANNELS = (*FOLLOWED, SUPPLY, "spool")
 """Judged channels."""
 STICKING = 3.0
 """A piston whose velocity is not this many times its uncertainty ..."""
@@ -207,7 +208,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         measured=tuple(name in recording for name in PRESSURES),
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
         supply=_supply(recording, interval),
-        supply_reading=recording.channels.get("supply_pressure", np.empty(0)),
+        supply_reading=recording.channels.get(SUPPLY, np.empty(0)),
         spool_reading=recording.channels.get("spool", np.empty(0)),
         force=force,
         held=np.zeros(len(time), dtype=bool),
@@ -333,10 +334,10 @@ def _rate(samples: Array, interval: float) -> Array:
 def _supply(recording: Recording, interval: float) -> Array | None:
     from scipy.ndimage import uniform_filter1d
 
-    if "supply_pressure" not in recording:
+    if SUPPLY not in recording:
         return None
     width = max(1, round(PRESSURE_SMOOTHING / interval))
-    closed = _closed(recording["supply_pressure"], recording.time)
+    closed = _closed(recording[SUPPLY], recording.time)
     return np.asarray(uniform_filter1d(closed, width, mode="nearest"))
 
 
