@@ -38,8 +38,8 @@ _LOST_REST = 2.0
 is known (root mean square): in recordings without effect it was 0.9 at the most, and 1.6 where a
 transducer read what was not there."""
 _SLOW = 0.1
-"""What swings in a chamber's pressure, as a share of the noise's power; in 47 recordings of another
-simulator without effect 0.02 at the most, with an external force 0.13 to 4."""
+"""What swings in a chamber's pressure, as a share of the noise's power; in 65 pairs of another
+simulator without effect 0.04 at the most, with an external force 0.13 to 4."""
 _SLOW_ALONE = 0.5
 """The same of a supply pressure, which no other channel has to share: there source and line are all
 that is judged."""
