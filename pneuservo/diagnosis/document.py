@@ -10,7 +10,8 @@ from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.guilty_blocks import block_of, located
 from pneuservo.diagnosis.judge import UNDECIDED
 from pneuservo.diagnosis.models import Case
-from pneuservo.diagnosis.search import SUREST, Search
+from pneuservo.diagnosis.rivals import SUREST
+from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.sessions import between_sessions, session_of
 from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible

@@ -1,0 +1,122 @@
+"""What recordings have called for so far, and what that leaves of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.hypotheses import Hypotheses
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.judge import ByEvidence, ByGain, Judge
+from pneuservo.diagnosis.ledger import Step
+from pneuservo.diagnosis.models import Case
+from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.noise import noise_floor
+
+
+@dataclass
+class Accepted(Hypotheses):
+    """What has been accepted of all that was fitted.
+
+    Parameters
+    ----------
+    model, cases, progress, seed, jobs, fits
+        As of `Hypotheses`.
+
+    Attributes
+    ----------
+    accepted : list of str
+        What the recordings call for: effect ids, and ``param.`` ids of wrong parameters.
+    ledger : list of Step
+        What was tried, in order.
+    interrupted : bool
+        Whether the user stopped it before it had tried everything.
+    """
+
+    accepted: list[str] = field(default_factory=list)
+    ledger: list[Step] = field(default_factory=list)
+    interrupted: bool = False
+
+    @property
+    def chosen(self) -> Fit:
+        """Return the fit with everything accepted."""
+        return self.fitted(self._with(self.accepted))
+
+    @cached_property
+    def noise(self) -> list[float]:
+        """Return the noise of the judged channel in each recording [SI].
+
+        Where it was not stated it is the floor of the channel or of what the baseline leaves,
+        whichever is lower: what the baseline explains, a jump for example, is no noise.
+        """
+        return [
+            _noise_of(case, residual)
+            for case, residual in zip(self.cases, self.baseline.residuals, strict=True)
+        ]
+
+    @property
+    def noise_rms(self) -> float:
+        """Return the noise of all recordings together [SI]."""
+        return float(np.sqrt(np.mean(np.square(self.noise))))
+
+    def unexplained_share(self, found: Fit) -> float:
+        """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""
+        return self._unexplained(found) / max(self._unexplained(self.baseline), 1e-300)
+
+    def share(self, member: str) -> float:
+        """Return the share of the mismatch that an accepted member explains beside the others."""
+        rest = self._rest(member)
+        return self.unexplained_share(rest) - self.unexplained_share(self.chosen)
+
+    def _unexplained(self, found: Fit) -> float:
+        """Return the sum of squares beyond noise."""
+        noise = sum(len(r) * noise**2 for r, noise in zip(found.residuals, self.noise, strict=True))
+        return max(0.0, found.samples * found.rms**2 - noise)
+
+    def _rest(self, member: str) -> Fit:
+        """Return the fit with everything accepted but a member."""
+        return self.fitted(self._with([m for m in self.accepted if m != member]))
+
+    def _with(self, members: Sequence[str]) -> Hypothesis:
+        hypothesis = Hypothesis()
+        for member in members:
+            hypothesis = hypothesis.adding(member)
+        return hypothesis
+
+    def _compatible(self, accepted: Sequence[str]) -> list[str]:
+        """Return the candidates that may be added to some others."""
+        group = {effect.id: effect.group for effect in self.model.effects}
+        present = [*accepted, *self.cases[0].rig.effects]
+        taken = {group.get(name, "") for name in present} - {""}
+        return [
+            name
+            for name in self.candidates
+            if name not in accepted and group.get(name, "") not in taken
+        ]
+
+    def _judge(self, current: Fit) -> Judge:
+        """Return what decides over additions to a fit."""
+        if self.model.steady:
+            return ByGain(
+                current,
+                self.baseline,
+                self.model.effects,
+                lambda name, closer: self.pretence.of(name, current, closer),
+            )
+        found = (self._unexplained(self.baseline), self._unexplained(current))
+        return ByEvidence(current, self.candidates, *found)
+
+    def _drop(self, member: str, why: str) -> None:
+        self.accepted.remove(member)
+        self.ledger.append(Step(tuple(self.accepted), "", True, member, why=why))
+
+
+def _noise_of(case: Case, residual: Array) -> float:
+    """Return the noise of the judged channel [unit of the case]."""
+    if not case.recorded:
+        return case.noise_rms
+    stated = case.recording.noise_rms.get(case.channel, 0.0) / case.scale
+    floor = noise_floor(residual, case.recording.time[case.usable]) if not stated else 0.0
+    return stated or max(min(case.noise_rms, floor), case.resolution)
