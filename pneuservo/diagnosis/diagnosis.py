@@ -251,7 +251,7 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
     if found is not None:
         beside = search.baseline if found.instead else search.chosen
         # Whatever a table explains: it can follow what no law would.
-        if held_back.read_with(found.fit).are_predicted_worse(beside, found.fit):
+        if held_back.are_predicted_worse(beside, found.fit):
             found = None
     if found is not None and (misfit is None or found.gain > misfit.energy):
         if found.instead:

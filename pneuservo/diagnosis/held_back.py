@@ -52,15 +52,12 @@ class HeldBack:
     def refute(self, before: Fit, after: Fit) -> bool:
         """Return whether a name that was added to a fit is to be taken back.
 
+        It is where it predicts worse, unless it explains far more than chance could.
+
         Parameters
         ----------
-        before, after : Fit
-            Of what is used, without and with it.
-
-        Returns
-        -------
-        bool
-            True where it predicts worse, unless it explains far more than chance could.
+        before, after
+            As for `are_predicted_worse`.
         """
         small = explained(before, after) < BEYOND_DOUBT
         return small and self.are_predicted_worse(before, after)
@@ -80,7 +77,8 @@ class HeldBack:
         """
         if not self.cases:
             return False
-        without, with_it = self.predicted(before), self.predicted(after)
+        read = self.read_with(after)
+        without, with_it = read.predicted(before), read.predicted(after)
         # In weights of what was used: what is predicted wrongly must not pass for noise.
         known = {c: after.scale[c] for c in with_it.scale if c in after.scale}
         with_it = with_it.in_weights({**with_it.scale, **known})

@@ -124,7 +124,7 @@ class Search(Rivals):
             return
         self.progress("asking what was held back about what was found")
         for member in self.accepted[::-1]:
-            if held_back.read_with(self.chosen).refute(self._rest(member), self.chosen):
+            if held_back.refute(self._rest(member), self.chosen):
                 self._drop(member, "what was held back is predicted worse with it")
 
     def profile(self) -> None:

@@ -10,7 +10,7 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.command import held_command, jumping
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
-from pneuservo.diagnosis.models.servo.feed import Feed, feed
+from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
 from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
@@ -87,7 +87,7 @@ def imitated(
     channels["valve_voltage"] = _as_sampled(fed.ramped, run, slope, jumps)
     for name in fed.noise:
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
-        true = source if name == "supply_pressure" else run[name]
+        true = source if name == SUPPLY else run[name]
         channels[name] = true + fed.noise[name] * noise
     copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
     copy = with_pressures(replace(copy, supply=fed.supply, force=fed.force), rig)

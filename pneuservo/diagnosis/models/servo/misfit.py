@@ -212,17 +212,42 @@ def _lost_rest(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | No
     return Misfit("piston", words, sum(squares))
 
 
+@dataclass(frozen=True)
+class _Swings:
+    """What is left of a channel, by frequency.
+
+    Parameters
+    ----------
+    powers : (k,) array
+        Density of its power.
+    stands_out : (k,) array
+        By how much that exceeds what noise reaches where it is slow, in that of the noise.
+    """
+
+    powers: Array
+    stands_out: Array
+
+    @property
+    def share(self) -> float:
+        """Return the power that stands out, in that of the noise."""
+        return float(np.sum(self.stands_out)) / len(self.stands_out)
+
+    @property
+    def edge(self) -> float:
+        """Return up to where something stands out [Hz]."""
+        return float((np.flatnonzero(self.stands_out)[-1] + 1) / _SEGMENT)
+
+
 def _swing(lefts: Sequence[_Left]) -> Misfit | None:
     """Return what swings in a pressure and in another channel at once."""
     energy, channels, highest = 0.0, set(), 0.0
     for left in lefts:
         for channel in PRESSURES:
-            if channel in left.channels:
-                share, edge = _shared_swings(left, channel)
-                if share > _SLOW:
-                    energy += share * len(left.channels[channel])
-                    channels.add(channel.replace("_", " "))
-                    highest = max(highest, edge)
+            swings = _swings(left, channel)
+            if swings is not None and swings.share > _SLOW and _is_shared(left, channel, swings):
+                energy += swings.share * len(left.channels[channel])
+                channels.add(channel.replace("_", " "))
+                highest = max(highest, swings.edge)
     if not channels:
         return None
     words = (
@@ -234,59 +259,46 @@ def _swing(lefts: Sequence[_Left]) -> Misfit | None:
 
 def _swing_of_supply(lefts: Sequence[_Left]) -> Misfit | None:
     """Return what swings in the supply pressure that neither source, line nor flow brings about."""
-    found = [
-        (*_swings(left.channels[SUPPLY], left.interval), len(left.channels[SUPPLY]))
-        for left in lefts
-        if SUPPLY in left.channels
-    ]
-    strong = [(share * size, edge) for share, edge, size in found if share > _SLOW_ALONE]
-    if not strong:
+    energy, highest = 0.0, 0.0
+    for left in lefts:
+        swings = _swings(left, SUPPLY)
+        if swings is not None and swings.share > _SLOW_ALONE:
+            energy += swings.share * len(left.channels[SUPPLY])
+            highest = max(highest, swings.edge)
+    if not energy:
         return None
     words = (
-        f"below {max(edge for _, edge in strong):.2g} Hz the supply pressure swings in a way that "
-        "neither its source, its line nor the flow that the valve takes brings about"
+        f"below {highest:.2g} Hz the supply pressure swings in a way that neither its source, its "
+        "line nor the flow that the valve takes brings about"
     )
-    return Misfit("supply", words, sum(energy for energy, _ in strong))
+    return Misfit("supply", words, energy)
 
 
-def _swings(own: Array, interval: float) -> tuple[float, float]:
-    """Return what stands out of the noise, in its power, and up to where [Hz]."""
-    segment = round(_SEGMENT / interval)
-    if len(own) < _FEWEST * segment:
-        # Of few segments any two channels look coherent.
-        return 0.0, 0.0
-    stands_out = _slowly(_density(own, own, segment))
-    if not np.any(stands_out):
-        return 0.0, 0.0
-    highest = (np.flatnonzero(stands_out)[-1] + 1) / _SEGMENT
-    return float(np.sum(stands_out)) / len(stands_out), float(highest)
-
-
-def _shared_swings(left: _Left, channel: str) -> tuple[float, float]:
-    """Return the same of what another channel shares."""
-    own = left.channels[channel]
-    found = _swings(own, left.interval)
-    if not found[0]:
-        return found
+def _swings(left: _Left, channel: str) -> _Swings | None:
+    """Return how a channel swings; None where it is too short or was not recorded."""
     segment = round(_SEGMENT / left.interval)
-    powers = _density(own, own, segment)
-    stands_out = _slowly(powers)
-    total, shared = float(np.sum(stands_out)), 0.0
+    if channel not in left.channels or len(left.channels[channel]) < _FEWEST * segment:
+        # Of few segments any two channels look coherent.
+        return None
+    powers = _density(left.channels[channel], left.channels[channel], segment)
+    frequencies = np.arange(len(powers)) / _SEGMENT
+    return _Swings(powers, _standing_out(powers) * (frequencies < _FASTEST))
+
+
+def _is_shared(left: _Left, channel: str, swings: _Swings) -> bool:
+    """Return whether another channel swings together with one."""
+    own, segment = left.channels[channel], round(_SEGMENT / left.interval)
+    total = float(np.sum(swings.stands_out))
     for name, other in left.channels.items():
         if name == channel:
             continue
         there = _density(other, other, segment)
         if np.sum(_standing_out(there)) * _ONE_TRANSDUCER <= total:
             continue
-        coherence = _density(own, other, segment) ** 2 / np.maximum(powers * there, 1e-300)
-        shared = max(shared, float(np.sum(coherence * stands_out)) / total)
-    return found if shared >= _TOGETHER else (0.0, 0.0)
-
-
-def _slowly(powers: Array) -> Array:
-    """Return by how much slow powers exceed what noise reaches, in those of the noise."""
-    frequencies = np.arange(len(powers)) / _SEGMENT
-    return _standing_out(powers) * (frequencies < _FASTEST)
+        coherence = _density(own, other, segment) ** 2 / np.maximum(swings.powers * there, 1e-300)
+        if float(np.sum(coherence * swings.stands_out)) >= _TOGETHER * total:
+            return True
+    return False
 
 
 def _density(one: Array, other: Array, segment: int) -> Array:

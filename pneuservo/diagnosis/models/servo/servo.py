@@ -24,6 +24,7 @@ from pneuservo.diagnosis.models.servo.feed import (
     CHANNELS,
     FOLLOWED,
     PRESSURES,
+    SUPPLY,
     Feed,
     feed,
     held_at_stops,
@@ -59,7 +60,7 @@ _JUDGED = (
     ("displacement", "m"),
     ("pressure_a", "Pa"),
     ("pressure_b", "Pa"),
-    ("supply_pressure", "Pa"),
+    (SUPPLY, "Pa"),
     ("spool", ""),
 )
 _FEWEST = 50
@@ -317,7 +318,7 @@ class ServoModel(Model):
             reading = copy.reading
             if case.channel in PRESSURES:
                 reading = copy.pressures[PRESSURES.index(case.channel)]
-            elif case.channel == "supply_pressure":
+            elif case.channel == SUPPLY:
                 reading = copy.supply_reading
             elif case.channel == "spool":
                 reading = copy.spool_reading
