@@ -78,7 +78,14 @@ COMPLIANCE = Effect(
             "share", "", 0.0, 0.0, 0.9, (0.5,), "of the mass behind the joint", "load.joint_share"
         ),
         EffectParameter(
-            "stiffness", "N/m", 0.0, 1e4, 1e7, (3e5,), "of the joint", "load.joint_stiffness"
+            "stiffness",
+            "N/m",
+            0.0,
+            1e4,
+            1e7,
+            (1e5, 3e5, 1e6, 3e6),
+            "of the joint",
+            "load.joint_stiffness",
         ),
         EffectParameter(
             "damping", "N*s/m", 0.0, 0.0, 1e3, (30.0,), "of the joint", "load.joint_damping"

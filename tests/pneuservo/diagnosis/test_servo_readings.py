@@ -131,6 +131,20 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     assert not held[0].inputs["feed"].ramped
 
 
+def test_what_a_reading_does_not_judge_is_no_argument_for_it(rig):
+    # Read as if it ran on, the pressures are so unsure that the piston seems to stick.
+    rng = np.random.default_rng(1)
+    edges = np.repeat(np.resize([5.0, -5.0], 3000), rng.choice([2, 2, 2, 2, 3], 3000))
+    recording = noisy(simulate(rig, time=TIME, command=edges[: len(TIME)]), rng)
+    seen = {name: recording[name] for name in ("valve_voltage", "displacement")}
+    model = ServoModel()
+    running, held = model.readings(model.cases(replace(recording, channels=seen), rig))
+    judged = [np.count_nonzero(way[0].inputs["feed"].shares[:, 2]) for way in (running, held)]
+    assert judged[0] < 0.5 * judged[1]
+    best = ranked_readings(model, [running, held], lambda step: None)[0]
+    assert not best.cases[0].inputs["feed"].ramped
+
+
 def test_each_recording_is_read_in_its_own_way(rig):
     model, quiet = ServoModel(), lambda step: None
     command = 4.0 * np.sign(np.sin(2.0 * np.pi * 40.0 * TIME + 0.1))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import ClassVar
 
 import numpy as np
@@ -204,7 +205,7 @@ class ServoModel(Model):
             except InputError:
                 # Nothing of it could be judged then: it stays as it is.
                 held += [other for other in cases if other.origin is case.origin]
-        return [list(cases), held]
+        return _compared([list(cases), held])
 
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with as much of an unmodelled force as ever, and with little of it.
@@ -368,13 +369,33 @@ def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
     return with_observer(fed if ramped else with_held_command(fed, rig), rig)
 
 
+def _compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
+    """Return the cases of all readings, marked with the samples that are judged in each of them.
+
+    Without pressures a piston that chatters may pass for one that sticks in one of them, and what
+    is not judged is never unlikely.
+    """
+    everywhere: dict[int, NDArray[np.bool_]] = {}
+    for case in chain(*ways):
+        judged = case.inputs["feed"].shares > 0.0
+        everywhere[id(case.origin)] = everywhere.get(id(case.origin), True) & judged
+    return [
+        [
+            replace(case, inputs={**case.inputs, "compared": everywhere[id(case.origin)]})
+            for case in way
+        ]
+        for way in ways
+    ]
+
+
 def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
     """Yield each channel's squared innovations, in noise, and their shares, as in a `Feed`."""
     fed: Feed = case.inputs["feed"]
+    shares = np.where(case.inputs.get("compared", True), fed.shares, 0.0)
     noise = fed.noise_of(CHANNELS)[:, np.newaxis]
     squares = (_innovations(fed, values, case.rig)[: len(CHANNELS)] / noise) ** 2
-    for channel, shares in zip(FOLLOWED, fed.shares.T, strict=True):
-        yield channel, squares[CHANNELS.index(channel)], shares
+    for channel, mine in zip(FOLLOWED, shares.T, strict=True):
+        yield channel, squares[CHANNELS.index(channel)], mine
     if len(fed.spool_reading):
         yield "spool", squares[CHANNELS.index("spool")], fed.spool_shares
 
