@@ -49,7 +49,7 @@ AMPLITUDE_BANDWIDTH = Effect(
     equation="|xs''| <= acceleration",
     parameters=(
         EffectParameter(
-            "acceleration", "1/s**2", 0.0, 0.0, 2e6, (2e5, 4e5, 6e5, 9e5, 1.4e6),
+            "acceleration", "1/s**2", 0.0, 0.0, 1e7, (2e5, 4e5, 8e5, 1.6e6, 3e6),
             "largest acceleration; 0 for no limit", "spool.acceleration_limit",
         ),
     ),

@@ -147,7 +147,9 @@ def spool_rates(command, opening, opening_rate, pressure_share, stuck, valve, ef
         command -= math.copysign(braked, opening_rate)
     acceleration = spool_acceleration(command, opening, opening_rate, valve)
     if effects.acceleration_limit > 0.0:
-        acceleration = limited(acceleration, effects.acceleration_limit)
+        driven = spool_acceleration(command, opening, 0.0, valve)
+        limit = effects.acceleration_limit
+        acceleration += limit * math.tanh(driven / limit) - driven
     return opening_rate, acceleration
 
 
