@@ -16,6 +16,7 @@ from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.models.model import Misfit
 from pneuservo.diagnosis.readings import (
     Reading,
+    likelier_if_late,
     likelier_with,
     likeliest_followed,
     ranked_readings,
@@ -278,13 +279,18 @@ def _as_read(search: Search) -> Search:
     """Return the search in the recordings as they are best read, begun.
 
     How they are read follows from their baselines and, where a name explains more than lies
-    between these, from the fits with that name.
+    between these, or something late may do so, from the fits with that name.
     """
     model, progress = search.model, search.progress
     ranked = ranked_readings(model, model.readings(search.cases), progress)
-    first = _begun(search, ranked[0])
+    late = likelier_if_late(model, ranked, progress, search.jobs)
+    first = _begun(search, late or ranked[0])
+    if late and not first.accepted and not first.interrupted:
+        late, first = None, _begun(search, ranked[0])
     if first.interrupted or not first.accepted:
         return first
+    if late:
+        ranked = [late, *(reading for reading in ranked if reading is not late)]
     try:
         other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
         if other is None:

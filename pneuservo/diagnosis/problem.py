@@ -12,6 +12,8 @@ from pneuservo.diagnosis.models.model import Array, Values
 
 _LEAST_SHARE = 1e-3
 """Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
+_ANEW = "error of "
+"""How the name of a recording's own error of a parameter begins, where that was measured anew."""
 
 
 @dataclass
@@ -214,14 +216,16 @@ def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str,
     Notes
     -----
     Where a parameter was measured anew for a recording, 5 kg added for example, a fit that
-    corrects it does so by the same factor everywhere.
+    corrects it does so by the same factor everywhere, but for the error of that measurement, which
+    is the recording's own: 5 kg are weighed better than what they are added to.
     """
-    here = dict(shared)
+    here, mine = dict(shared), dict(own)
     for key in here.keys() & case.rig.parameters.keys():
         nominal, reference = case.rig[key], first.rig[key]
+        error = mine.pop(_ANEW + key, 0.0)
         if nominal != reference and reference:
-            here[key] *= nominal / reference
-    return {**case.rig.effect_values, **here, **own}
+            here[key] *= (1.0 + error) * nominal / reference
+    return {**case.rig.effect_values, **here, **mine}
 
 
 def values_in_each(
@@ -268,7 +272,7 @@ def problems_of(model: Model, cases: Sequence[Case], hypothesis: Hypothesis) -> 
     list of Problem
         They differ only in where they begin.
     """
-    own = _own_unknowns(model, cases, hypothesis)
+    own = _own_unknowns(model, cases, hypothesis, cases[0])
     baseline = _baseline_unknowns(model, cases[0], hypothesis)
     return [
         Problem(model, cases, [*baseline, *effects], own)
@@ -295,14 +299,34 @@ def problem_with(
     Problem
         It has no shared unknowns.
     """
-    own = _own_unknowns(model, cases, hypothesis)
+    own = _own_unknowns(model, cases, hypothesis, reference)
     return Problem(model, cases, [], own, held=shared, reference=reference)
 
 
 def _own_unknowns(
-    model: Model, cases: Sequence[Case], hypothesis: Hypothesis
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis, reference: Case
 ) -> list[list[Unknown]]:
-    return [model.nuisances(case, hypothesis.effects | set(case.rig.effects)) for case in cases]
+    """Return the unknowns of each case; in a joint model a recording's stand with its first."""
+    seen: set[int] = set()
+    found = []
+    for case in cases:
+        own = model.nuisances(case, hypothesis.effects | set(case.rig.effects))
+        if not model.joint or id(case.recording) not in seen:
+            own += _measured_anew(model, case, reference)
+        seen.add(id(case.recording))
+        found.append(own)
+    return found
+
+
+def _measured_anew(model: Model, case: Case, reference: Case) -> list[Unknown]:
+    """Return the errors of parameters that were measured anew, each as well as the first time."""
+    found = []
+    for key in model.fitted(case):
+        before, now = reference.rig.parameters[key], case.rig[key]
+        if before.tolerance and not before.free and before.value not in (0.0, now):
+            sigma = before.tolerance / abs(before.value)
+            found.append(Unknown(_ANEW + key, 0.0, _LEAST_SHARE - 1.0, np.inf, sigma))
+    return found
 
 
 def _baseline_unknowns(model: Model, case: Case, hypothesis: Hypothesis) -> list[Unknown]:

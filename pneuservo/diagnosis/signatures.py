@@ -21,7 +21,11 @@ Signatures = Mapping[str, Sequence[Array]]
 
 
 def signatures_of(
-    model: Model, cases: Sequence[Case], base: Fit, jobs: int = 1
+    model: Model,
+    cases: Sequence[Case],
+    base: Fit,
+    jobs: int = 1,
+    effects: Sequence[Effect] | None = None,
 ) -> dict[str, list[Array]]:
     """Return what each effect of a rig changes in the residuals.
 
@@ -33,6 +37,8 @@ def signatures_of(
         The fitted baseline.
     jobs : int, optional
         So many effects at a time.
+    effects : sequence of Effect, optional
+        Those that are asked for; without them all of the model.
 
     Returns
     -------
@@ -40,7 +46,7 @@ def signatures_of(
         Per combination of an effect's starts: the change at the start, and by a step of each
         further parameter [unit of the cases].
     """
-    effects = model.effects
+    effects = model.effects if effects is None else effects
     found = side_by_side(lambda effect: _signatures(model, cases, base, effect), effects, jobs)
     return {effect.id: variants for effect, variants in zip(effects, found, strict=True)}
 

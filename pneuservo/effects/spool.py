@@ -46,7 +46,7 @@ AMPLITUDE_BANDWIDTH = Effect(
         "The spool is slower for large strokes because its motor's force is limited; "
         "the model is linear."
     ),
-    equation="|xs''| <= acceleration",
+    equation="xs'' = a tanh(w^2 (u/5 V - xs)/a) - 2 d w xs', a the acceleration",
     parameters=(
         EffectParameter(
             "acceleration", "1/s**2", 0.0, 0.0, 1e7, (2e5, 4e5, 8e5, 1.6e6, 3e6),

@@ -186,6 +186,8 @@ class Model:
     """Whether tables may stand for what no effect explains."""
     ridges: ClassVar[tuple[str, ...]] = ()
     """Parameters on either side of whose value a fit may come to rest."""
+    late: ClassVar[tuple[str, ...]] = ()
+    """Blocks whose effects are like a command that is read in another way."""
 
     def __init__(self, without: frozenset[str] = frozenset()):
         self.without = without

@@ -136,7 +136,7 @@ def spool_rates(command, opening, opening_rate, pressure_share, stuck, valve, ef
     -----
     The flow force closes in proportion to opening and pressure drop (Blackburn, Reethof, Shearer
     1960). Dry friction brakes a spool that moves as much as it holds one that has just come to
-    rest. The limit of acceleration is that of the motor, and cuts off sharply.
+    rest. The limit of acceleration is that of the motor, whose force saturates softly.
     """
     if stuck != 0.0:
         return 0.0, 0.0

@@ -109,6 +109,7 @@ class ServoModel(Model):
     tabulates: ClassVar[bool] = True
     # Whether a spool that swings beyond a large command hits the end of its travel.
     ridges: ClassVar[tuple[str, ...]] = ("valve.spool.damping",)
+    late: ClassVar[tuple[str, ...]] = ("valve.spool", "lines")
 
     @property
     def effects(self) -> tuple[Effect, ...]:
