@@ -15,7 +15,7 @@ from pneuservo.diagnosis.models.servo.command import (
     unseen,
 )
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
-from pneuservo.diagnosis.models.servo.rests import averaged_samples
+from pneuservo.diagnosis.models.servo.rests import averaged_samples, chatters
 from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import (
     AVERAGED_AT_REST,
@@ -103,6 +103,8 @@ class Feed:
         Noise of each judged channel [SI].
     spread_of_force : float
         What the noise of both pressures makes of the force on the piston [N].
+    chatter : float
+        Share of the time in which the piston chatters by less than its displacement tells [-].
     unsteadiness : float
         Unmodelled force that the observer allows for, see
         `pneuservo.diagnosis.models.servo.covariance.carry_on` [-].
@@ -141,6 +143,7 @@ class Feed:
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
+    chatter: float = 0.0
     unsteadiness: float = 1.0
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
@@ -260,6 +263,10 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         (force_rms or 0.0) / mass,
         rig["piston.coulomb_friction"] / mass,
     )
+    chatter = 0.0
+    if driving is not None and force_rms is not None:
+        known = force_rms / mass, rig["piston.coulomb_friction"] / mass
+        chatter = float(np.mean(chatters(driving, *known, fed.noise["displacement"], fed.interval)))
     motion, moving = np.array(smoothed), velocity_rms if rest.all() else velocity_rms[~rest]
     reversal = max(float(np.median(moving)), SLOWEST_MOTION)
     velocity_rms = np.where(rest, velocity_rms, reversal)
@@ -288,6 +295,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
         stuck=stuck,
+        chatter=chatter,
         done=Recent(),
     )
     return _with_spread(moved, rig)

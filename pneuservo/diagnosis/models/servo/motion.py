@@ -7,10 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.rests import (
-    REST_FORCE,
     Likely,
     Mask,
-    averaged_samples,
     chatters,
     rests_at_first_sight,
     settled,
@@ -89,8 +87,7 @@ def smooth_motion(
     variance = max(noise_rms, 1e-9) ** 2
     filtered = _Filter(time, displacement - start, variance, known, driving_rms**2, friction)
     interval = float(np.median(np.diff(time)))
-    most = 2.0 * friction + REST_FORCE * driving_rms / math.sqrt(averaged_samples(interval))
-    chatter = chatters(known, most, math.sqrt(variance), interval)
+    chatter = chatters(known, driving_rms, friction, math.sqrt(variance), interval)
     rest, way = _where_it_rests(filtered, chatter, interval)
     # While it rests, nothing jumps: how much does otherwise shows now.
     change = filtered.likeliest_change(rest, way)

@@ -15,13 +15,14 @@ REST_TIME = 0.1
 """Time over which it has to look at rest [s] ..."""
 SHORT_REST = 0.02
 """... or over which it has to keep its place, while it sticks and slips ..."""
-REST_FORCE = 5.0
-"""... and over which the pressures' force may swing by more than all of the Coulomb friction, in
-its own noise, where it would swing by less than so many times ..."""
+FORCE_SMOOTHING = 5e-3
+"""Time over which pressures are averaged where the force that they give is asked for [s]."""
+_REST_FORCES = ((FORCE_SMOOTHING, 5.0), (2e-3, 6.0))
+"""... and over which that force, averaged over the first, may swing by more than all of the Coulomb
+friction by the second, in its own noise (a relay at 180 Hz swings once in 5 ms), where it would
+swing by less than so many times ..."""
 CHATTER = 5.0
 """... the displacement's noise: in chatter too a piston moves by less."""
-FORCE_SMOOTHING = 5e-3
-"""Time over which their force is averaged [s]."""
 _AT_FIRST = np.arange(-0.024, 0.0481, 0.004)
 _THEN = np.arange(-0.003, 0.0031, 0.001)
 """By how much later a rest may end, or begin, than at first sight [s]; what moves within the time
@@ -124,29 +125,38 @@ def _with_edges(rest: Mask, edges: NDArray[np.int_], moved: NDArray[np.int_], be
     return found
 
 
-def chatters(driving: Array, most: float, noise: float, interval: float) -> Mask:
+def chatters(
+    driving: Array, driving_rms: float, friction: float, noise: float, interval: float
+) -> Mask:
     """Return where a force would move a piston to and fro by less than its displacement tells.
 
     Parameters
     ----------
     driving : (n,) array
         Acceleration that the pressures would give without friction [m/s^2].
-    most : float
-        By which it may swing, or friction holds the piston all the same [m/s^2].
+    driving_rms : float
+        Its noise [m/s^2].
+    friction : float
+        Acceleration that the Coulomb friction takes: a force that swings by less than twice that
+        does not move the piston [m/s^2].
     noise : float
         Of the displacement [m].
     interval : float
         Of the samples [s].
     """
-    return (_swing(driving, interval) > most) & (_would_swing(driving, interval) < CHATTER * noise)
+    swings = np.zeros(len(driving), dtype=np.bool_)
+    for over, by in _REST_FORCES:
+        known = driving_rms / math.sqrt(averaged_samples(interval, over))
+        swings |= _swing(driving, interval, over) > 2.0 * friction + by * known
+    return swings & (_would_swing(driving, interval) < CHATTER * noise)
 
 
-def _swing(driving: Array, interval: float) -> Array:
+def _swing(driving: Array, interval: float, over: float) -> Array:
     """Return from where to where the averaged force goes around each sample."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     width = max(1, round(REST_TIME / interval))
-    smooth = averaged(driving, interval)
+    smooth = averaged(driving, interval, over)
     return np.asarray(maximum_filter1d(smooth, width) - minimum_filter1d(smooth, width))
 
 
