@@ -16,7 +16,12 @@ from pneuservo.diagnosis.models.servo.command import (
 )
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.rests import averaged_samples, chatters
-from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures
+from pneuservo.diagnosis.models.servo.spread import (
+    MOTION_MEMORY,
+    MOTION_MEMORY_AT_REST,
+    shares_of_spool,
+    spread_of_pressures,
+)
 from pneuservo.diagnosis.models.servo.stops import (
     AVERAGED_AT_REST,
     around,
@@ -51,6 +56,11 @@ FINEST = 1e-4
 """No transducer is taken to be better than this, as a share of stroke, supply pressure and full
 opening, unless its noise is stated: in recordings without any noise, what is made of a command
 between its samples and of a motion that is smoothed was explained by delays."""
+LOOKED_AT = 0.1
+"""Time over which it shows whether a piston rests [s]."""
+RESTLESS = 5e-3
+"""Share of the full command by which that moves in this time where a piston may only seem to rest:
+a loop that hears the noise of its transducer pushes it to and fro."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
@@ -105,6 +115,8 @@ class Feed:
         What the noise of both pressures makes of the force on the piston [N].
     chatter : float
         Share of the time in which the piston chatters by less than its displacement tells [-].
+    motion_memory : float
+        How long a velocity that is taken over is off by `velocity_rms` [s].
     unsteadiness : float
         Unmodelled force that the observer allows for, see
         `pneuservo.diagnosis.models.servo.covariance.carry_on` [-].
@@ -144,6 +156,7 @@ class Feed:
     noise: dict[str, float]
     spread_of_force: float
     chatter: float = 0.0
+    motion_memory: float = MOTION_MEMORY
     unsteadiness: float = 1.0
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
@@ -301,6 +314,49 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     return _with_spread(moved, rig)
 
 
+def may_only_seem_to_rest(fed: Feed, rig: Rig) -> bool:
+    """Return whether the command keeps on moving while the piston is held.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    rig : Rig
+        The rig it was taken on.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    still = fed.held & ~fed.touching
+    if not still.any():
+        return False
+    width = max(2, round(LOOKED_AT / fed.interval))
+    beside = fed.voltage - np.mean(fed.voltage)
+    square = uniform_filter1d(beside**2, width) - uniform_filter1d(beside, width) ** 2
+    return bool(np.median(square[still]) > (RESTLESS * rig["valve.full_voltage"]) ** 2)
+
+
+def unsure_of_rest(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed whose piston at rest may creep by as much as the displacement does not tell.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    rig : Rig
+        The rig it was taken on.
+    """
+    samples = LOOKED_AT / fed.interval
+    slope = math.sqrt(12.0 / samples) * fed.noise["displacement"] / LOOKED_AT
+    still = fed.held & ~fed.touching
+    unsure = replace(
+        fed,
+        velocity_rms=np.where(still, np.maximum(fed.velocity_rms, slope), fed.velocity_rms),
+        motion_memory=MOTION_MEMORY_AT_REST,
+        done=Recent(),
+    )
+    return _with_spread(unsure, rig)
+
+
 def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
     """Return both pressures, a missing one as it would be with the piston at rest."""
     from pneuservo.plant.from_rig import single_axis
@@ -319,7 +375,14 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
 def _with_spread(fed: Feed, rig: Rig) -> Feed:
     """Return a feed that knows how sure pressures and spool are between and at its samples."""
     spread = spread_of_pressures(
-        fed.time, fed.unseen, fed.striking, fed.held, fed.noise, fed.velocity_rms, rig
+        fed.time,
+        fed.unseen,
+        fed.striking,
+        fed.held,
+        fed.noise,
+        fed.velocity_rms,
+        fed.motion_memory,
+        rig,
     )
     if not len(fed.spool_reading):
         return replace(fed, spread=spread)

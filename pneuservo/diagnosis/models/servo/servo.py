@@ -1,6 +1,6 @@
 """The single-axis servo, followed by an observer from command and measurements."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import ClassVar
@@ -29,6 +29,8 @@ from pneuservo.diagnosis.models.servo.feed import (
     Feed,
     feed,
     held_at_stops,
+    may_only_seem_to_rest,
+    unsure_of_rest,
     with_held_command,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
@@ -215,16 +217,13 @@ class ServoModel(Model):
         return _compared([list(cases), held])
 
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
-        """Return the cases with as much of an unmodelled force as ever, with little and with more.
+        """Return the cases with as much of an unmodelled force as ever, with little, and unsure.
 
-        An observer that allows for much of it follows a slow misfit instead of showing it. More is
-        for what chatters unseen alone.
+        An observer that allows for much of it follows a slow misfit instead of showing it. So
+        does one that is unsure of the motion: that is for what moves unseen alone.
         """
-        chatters = [case.inputs["feed"].chatter > _CHATTERS for case in cases]
-        ways = [list(cases), _unsteady(cases, [_STEADY] * len(cases))]
-        if any(chatters):
-            ways.append(_unsteady(cases, [_UNSTEADY if c else 1.0 for c in chatters]))
-        return ways
+        ways = [list(cases), _followed(cases, _steadily), _followed(cases, _unsure)]
+        return ways if any(a is not b for a, b in zip(ways[0], ways[2], strict=True)) else ways[:2]
 
     def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
         """Return how large innovations are where the command is calm, in their noise squared."""
@@ -374,18 +373,30 @@ def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
     return with_observer(fed if ramped else with_held_command(fed, rig), rig)
 
 
-def _unsteady(cases: Sequence[Case], levels: Sequence[float]) -> list[Case]:
-    """Return cases each followed with so much of an unmodelled force."""
+def _followed(cases: Sequence[Case], as_given: Callable[[Feed, Rig], Feed]) -> list[Case]:
+    """Return cases whose observers are given another feed, or the same where it is no other."""
     feeds: dict[int, Feed] = {}
     found = []
-    for case, level in zip(cases, levels, strict=True):
+    for case in cases:
         fed: Feed = case.inputs["feed"]
         if id(fed) not in feeds:
-            same = level == fed.unsteadiness
-            feeds[id(fed)] = fed if same else with_gains(replace(fed, unsteadiness=level), case.rig)
+            other = as_given(fed, case.rig)
+            feeds[id(fed)] = fed if other is fed else with_gains(other, case.rig)
         other = feeds[id(fed)]
         found.append(case if other is fed else replace(case, inputs={**case.inputs, "feed": other}))
     return found
+
+
+def _steadily(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed with little of an unmodelled force."""
+    return replace(fed, unsteadiness=_STEADY)
+
+
+def _unsure(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed that is unsure of the motion that the displacement does not tell, if any."""
+    if fed.chatter > _CHATTERS:
+        fed = replace(fed, unsteadiness=_UNSTEADY)
+    return unsure_of_rest(fed, rig) if may_only_seem_to_rest(fed, rig) else fed
 
 
 def _compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:

@@ -20,7 +20,9 @@ START = 0.02
 """At the start nothing is known of the spool and of the pressures' past for this long [s]."""
 MOTION_MEMORY = 1.5e-3
 """Time over which an error of a velocity that is taken over lasts: about a sample, for the
-displacement that it adds up to is known to some micrometres [s]."""
+displacement that it adds up to is known to some micrometres [s] ..."""
+MOTION_MEMORY_AT_REST = 0.05
+"""... but that of a piston which only seems to rest lasts as long as it has to look so [s]."""
 
 
 def spread_of_pressures(
@@ -30,6 +32,7 @@ def spread_of_pressures(
     held: NDArray[np.bool_],
     noise: dict[str, float],
     velocity_rms: Array,
+    motion_memory: float,
     rig: Rig,
 ) -> Array:
     """Return how much less is known of each pressure after each interval [Pa^2].
@@ -40,6 +43,8 @@ def spread_of_pressures(
         As in `pneuservo.diagnosis.models.servo.feed.Feed`.
     velocity_rms : (n,) array
         How well a velocity that is taken over is known [m/s].
+    motion_memory : float
+        How long it is off by that [s].
     rig : Rig
         The rig.
 
@@ -72,7 +77,7 @@ def spread_of_pressures(
         # A chamber half filled, whose volume changes at a speed that is not quite known.
         drawn_in = 0.5 * plant.polytropic_index * plant.supply_pressure * side / volume
         # While it moves, the observer has a speed of its own.
-        found[-1] += held * (drawn_in * velocity_rms) ** 2 * steps * MOTION_MEMORY
+        found[-1] += held * (drawn_in * velocity_rms) ** 2 * steps * motion_memory
     return np.array(found)
 
 
