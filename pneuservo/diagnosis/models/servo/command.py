@@ -30,6 +30,16 @@ _CHATTER = 0.1
 """What is found of more than this (rms) is chatter and no noise of a command [V]."""
 _FEWEST = 3
 """Samples that a curve can be drawn through."""
+_AT_A_LEVEL = 0.02
+"""Share of what lies between its two levels by which a relay may be off them ..."""
+_OF_A_RELAY = 0.9
+"""... in this share of the samples ..."""
+_AT_LEAST = 0.1
+"""... of which each level has this one."""
+_NEARBY = 11
+"""Samples over which it shows how often a relay switches."""
+_LEAST_EVEN = 0.01
+"""Where it switches in every other interval, nothing is known of how often it does within one."""
 
 
 def held_command(voltage: Array) -> Array:
@@ -134,6 +144,79 @@ def unseen(voltage: Array, demand: Array | None) -> Array:
     bend = np.maximum(curve[:-1], curve[1:])
     off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(voltage))
     return np.append(off, off[-1:])
+
+
+def is_relay(voltage: Array) -> bool:
+    """Return whether a command is that of an ideal relay: nearly always at one of two levels.
+
+    Parameters
+    ----------
+    voltage : (n,) array
+        As sampled [V].
+
+    Examples
+    --------
+    >>> is_relay(np.array([5.0, -5.0, -5.0, 5.0, 5.0, -5.0]))
+    True
+    >>> is_relay(np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])), is_relay(np.zeros(6))
+    (False, False)
+    """
+    low, high = float(np.min(voltage)), float(np.max(voltage))
+    near = _AT_A_LEVEL * (high - low)
+    shares = np.mean(voltage <= low + near), np.mean(voltage >= high - near)
+    return bool(low < high and sum(shares) > _OF_A_RELAY and min(shares) > _AT_LEAST)
+
+
+def as_it_may_have_been(command: Array, voltage: Array, rng: np.random.Generator) -> Array:
+    """Return the mean of a command that runs on in each part of each sampling interval [V].
+
+    Parameters
+    ----------
+    command : (n, m + 1) array
+        From `running_command`.
+    voltage : (n,) array
+        As sampled [V].
+    rng : Generator
+        Draws the moments at which an ideal relay switched between samples.
+
+    Returns
+    -------
+    (n, m) array
+        Of the m equal parts.
+
+    Examples
+    --------
+    >>> straight, rng = np.array([[1.0, 2.0, 3.0], [3.0, 4.0, 5.0]]), np.random.default_rng(1)
+    >>> as_it_may_have_been(straight, np.array([1.0, 3.0, 5.0]), rng).tolist()
+    [[1.5, 2.5], [3.5, 4.5]]
+    """
+    means = 0.5 * (command[:, :-1] + command[:, 1:])
+    if not is_relay(voltage):
+        return means
+    parts = np.arange(means.shape[1])
+    after = np.append(voltage[1:], voltage[-1:])
+    middle = 0.5 * (float(np.min(voltage)) + float(np.max(voltage)))
+    switched = (voltage > middle) != (after > middle)
+    twice = ~switched & (rng.random(len(voltage)) < _switching_twice(switched))
+    first, last = np.sort(len(parts) * rng.random((2, len(voltage))), axis=0)
+    last = np.where(switched, len(parts), np.where(twice, last, first))
+    other = np.where(switched, after, 2.0 * middle - voltage)
+    # How much of each part lies between both switches.
+    ends = (np.clip(moment[:, np.newaxis] - parts, 0.0, 1.0) for moment in (first, last))
+    between = -np.subtract(*ends)
+    return np.asarray(voltage[:, np.newaxis] + between * (other - voltage)[:, np.newaxis])
+
+
+def _switching_twice(switched: NDArray[np.bool_]) -> Array:
+    """Return how likely each interval without a switch hides two, from how often others have one.
+
+    As if switches came at random: an odd number of them shows in the samples, an even one not.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    odd = uniform_filter1d(switched.astype(float), _NEARBY, mode="nearest")
+    none = np.sqrt(np.maximum(1.0 - 2.0 * odd, _LEAST_EVEN))
+    return np.asarray(1.0 - none / (0.5 * (1.0 + none**2)))
 
 
 def noise_of_command(voltage: Array) -> float:

@@ -3,19 +3,18 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.command import held_command, jumping
+from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, held_command
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
 from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
-from pneuservo.simulation import InitialState, Simulation, simulate
+from pneuservo.simulation import InitialState, simulate
 
 _STEP = 1e-4
 """Integration step [s]."""
@@ -58,7 +57,8 @@ def imitated(
     Notes
     -----
     The command is the recorded one plus what a proportional controller adds to keep to the
-    recorded path, so that small differences do not pile up.
+    recorded path, so that small differences do not pile up. An ideal relay that runs on switches
+    at moments of its own between two samples: that they are not known pretends an effect.
     """
     supply, source = fed.supply, np.empty(0)
     if supply is not None:
@@ -69,22 +69,8 @@ def imitated(
         if not others:
             # Its ripple makes no difference to what is pretended, and costs a compiled engine.
             rig, supply = rig.with_values({"supply.pressure": float(np.mean(supply))}), None
-    controller = Proportional(gain=_GAIN, level=_UNLIMITED)
-    law = controller.law(rig)
-    run = simulate(
-        rig,
-        time=fed.time,
-        controller=controller,
-        demand=fed.motion[0] + fed.voltage / (law.gain * law.weight_displacement),
-        external_force=fed.force + zero_force,
-        supply_pressure=supply,
-        initial=_start(fed, rig),
-        largest_step=_STEP,
-    )
     channels = {name: recording[name] for name in ("demand",) if name in recording}
-    jumps = jumping(channels["demand"]) if channels else np.zeros(len(fed.time) - 1, np.bool_)
-    slope = law.gain * law.weight_displacement
-    channels["valve_voltage"] = _as_sampled(fed.ramped, run, slope, jumps)
+    run, channels["valve_voltage"] = _kept_to_the_path(fed, rig, zero_force, supply, rng)
     for name in fed.noise:
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
         true = source if name == SUPPLY else run[name]
@@ -110,19 +96,43 @@ def imitated(
     )
 
 
-def _as_sampled(ramped: bool, run: Simulation, gain: float, jumps: NDArray[np.bool_]) -> Array:
-    """Return the command as a recording that is read in this way has it [V].
+def _kept_to_the_path(
+    fed: Feed, rig: Rig, zero_force: float, supply: Array | None, rng: np.random.Generator
+) -> tuple[dict[str, Array], Array]:
+    """Return what a servo does that is kept to a path, and its command, both at the samples."""
+    controller = Proportional(gain=_GAIN, level=_UNLIMITED)
+    law = controller.law(rig)
+    slope = law.gain * law.weight_displacement
+    # In parts of an interval where the command runs on: within each it is held.
+    held = fed.voltage[:, np.newaxis]
+    if fed.ramped:
+        held = as_it_may_have_been(fed.command, fed.voltage, rng)
+    parts = held.shape[1]
+    time, held = _divided(fed.time, parts), held.ravel()[: (len(fed.time) - 1) * parts + 1]
+    run = simulate(
+        rig,
+        time=time,
+        controller=controller,
+        demand=np.interp(time, fed.time, fed.motion[0]) + held / slope,
+        external_force=np.interp(time, fed.time, fed.force) + zero_force,
+        supply_pressure=None if supply is None else np.interp(time, fed.time, supply),
+        initial=_start(fed, rig),
+        largest_step=_STEP,
+    )
+    found = {name: run[name][::parts] for name in fed.noise if name != SUPPLY}
+    added = (run["valve_voltage"] - held)[::parts]
+    if not fed.ramped:
+        # Within an interval the piston goes on; what is recorded has to mean the same.
+        moved = np.diff(found["displacement"], append=found["displacement"][-1])
+        added -= 0.5 * slope * moved
+    return found, fed.voltage + added
 
-    Between two samples the demand is held and the displacement goes on, so that the command runs
-    away from where it was sampled; what is recorded has to mean the same. With the set point it
-    jumps at once.
-    """
-    moved = np.diff(run["displacement"], append=run["displacement"][-1])
-    mean: Array = run["valve_voltage"] - 0.5 * gain * moved
-    if ramped:
-        before = np.append(mean[:1], np.where(jumps, mean[1:], mean[:-1]))
-        mean = 0.5 * (mean + before)
-    return mean
+
+def _divided(time: Array, parts: int) -> Array:
+    """Return moments that divide each interval into equal parts."""
+    steps = np.arange(parts) / parts
+    inside = time[:-1, np.newaxis] + np.diff(time)[:, np.newaxis] * steps
+    return np.append(inside.ravel(), time[-1])
 
 
 def _start(fed: Feed, rig: Rig) -> InitialState:
