@@ -101,13 +101,17 @@ def likelier_if_late(
     -----
     A command that runs on acts half a sample later than one that is held, and is less sure: read
     so, a spool or a hose that is late hardly shows. (A motor too weak for its spool promised 358
-    where the command ran on and 15,900 where it was held, which was less likely by 9,800.)
+    where the command ran on and 15,900 where it was held, which was less likely by 9,800.) Only
+    what stands still and jumps is asked: read as held, the command of an analogue loop comes half a
+    sample early, and whatever is late would mend that.
     """
     first = ranked[0]
     others = [
         other
         for other in ranked[1:]
-        if other.baseline and _misfit(other.baseline) > other.unlikely - first.unlikely
+        if other.baseline
+        and _misfit(other.baseline) > other.unlikely - first.unlikely
+        and all(model.stored(case) for case in _read_otherwise(other.cases, first.cases))
     ]
     if not others:
         return None
@@ -129,6 +133,12 @@ def likelier_if_late(
     ]
     best = min(range(len(tried)), key=unlikely.__getitem__)
     return tried[best] if unlikely[best] < unlikely[0] - LEAST_GAIN else None
+
+
+def _read_otherwise(one: Cases, other: Cases) -> list[Case]:
+    """Return the cases of recordings that are not read in the same way."""
+    same = {id(case) for case in other}
+    return [case for case in one if id(case) not in same]
 
 
 def _misfit(baseline: Fit) -> float:

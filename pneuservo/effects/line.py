@@ -17,7 +17,7 @@ RESTRICTION = Effect(
     ),
     parameters=(
         EffectParameter(
-            "area", "m**2", 0.0, 0.0, 1e-5, (2e-6,), "effective area of a hose; 0 for none",
+            "area", "m**2", 0.0, 0.0, 1e-5, (2e-6, 5e-6), "effective area of a hose; 0 for none",
             "line.area",
         ),
     ),

@@ -31,7 +31,7 @@ HYSTERESIS = Effect(
     equation="xs = G(s) play(u/5 V, half_width)",
     parameters=(
         EffectParameter(
-            "half_width", "", 0.0, 0.0, 0.03, (0.006,), "half width of the play",
+            "half_width", "", 0.0, 0.0, 0.03, (0.0015, 0.006), "half width of the play",
             "spool.hysteresis",
         ),
     ),
@@ -96,7 +96,7 @@ STICTION = Effect(
     ),
     parameters=(
         EffectParameter(
-            "breakaway", "", 0.0, 0.0, 0.05, (0.01,), "command error it does not follow",
+            "breakaway", "", 0.0, 0.0, 0.05, (0.003, 0.01), "command error it does not follow",
             "spool.stiction",
         ),
         EffectParameter(

@@ -13,7 +13,7 @@ SAG = Effect(
     equation="volume/(n R T) Ps' = m(P0, Ps, area) - m_drawn",
     parameters=(
         EffectParameter(
-            "volume", "m**3", 0.0, 0.0, 5e-3, (2e-4,), "between line and valve",
+            "volume", "m**3", 0.0, 0.0, 5e-3, (2e-4, 1e-3), "between line and valve",
             "supply.reservoir_volume",
         ),
         EffectParameter(

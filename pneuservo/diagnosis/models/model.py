@@ -242,6 +242,10 @@ class Model:
         """
         return [list(cases)]
 
+    def stored(self, case: Case) -> bool:
+        """Return whether what drives the rig stands still but for jumps, as what is stored does."""
+        return False
+
     def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
         """Return how large a misfit is all over, by recording and channel, in its noise squared."""
         raise NotImplementedError

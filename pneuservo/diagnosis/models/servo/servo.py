@@ -19,6 +19,7 @@ from pneuservo.diagnosis.models.model import (
     Unknown,
     Values,
 )
+from pneuservo.diagnosis.models.servo.command import is_relay
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
 from pneuservo.diagnosis.models.servo.feed import (
     AT_REST,
@@ -78,6 +79,8 @@ _STEADY = 0.25
 """Unmodelled force that the observer allows for where the piston of a recording moves steadily, as
 a share of what it else does: in half of the recordings of another simulator without any effect this
 is likelier, and in chatter never; a smaller share makes next to no difference."""
+_STANDS_STILL = 0.5
+"""Share of the intervals in which a command does that comes from a table and not from a loop."""
 _CHATTERS = 0.2
 """Share of the time in which a piston chatters by less than its displacement tells, from which it
 may be known so little that way friction acts ..."""
@@ -215,6 +218,12 @@ class ServoModel(Model):
                 # Nothing of it could be judged then: it stays as it is.
                 held += [other for other in cases if other.origin is case.origin]
         return _compared([list(cases), held])
+
+    def stored(self, case: Case) -> bool:
+        """Return whether the command stands still but for jumps and is not that of a relay."""
+        voltage = case.inputs["feed"].voltage
+        still = float(np.mean(np.diff(voltage) == 0.0))
+        return still > _STANDS_STILL and not is_relay(voltage)
 
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with as much of an unmodelled force as ever, with little, and unsure.
