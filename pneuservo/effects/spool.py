@@ -31,7 +31,7 @@ HYSTERESIS = Effect(
     equation="xs = G(s) play(u/5 V, half_width)",
     parameters=(
         EffectParameter(
-            "half_width", "", 0.0, 0.0, 0.03, (0.0015, 0.006), "half width of the play",
+            "half_width", "", 0.0, 0.0, 0.03, (0.006, 0.0015), "half width of the play",
             "spool.hysteresis",
         ),
     ),
@@ -46,7 +46,7 @@ AMPLITUDE_BANDWIDTH = Effect(
         "The spool is slower for large strokes because its motor's force is limited; "
         "the model is linear."
     ),
-    equation="xs'' = a tanh(w^2 (u/5 V - xs)/a) - 2 d w xs', a the acceleration",
+    equation="|xs''| <= acceleration",
     parameters=(
         EffectParameter(
             "acceleration", "1/s**2", 0.0, 0.0, 1e7, (2e5, 4e5, 8e5, 1.6e6, 3e6),
@@ -96,7 +96,7 @@ STICTION = Effect(
     ),
     parameters=(
         EffectParameter(
-            "breakaway", "", 0.0, 0.0, 0.05, (0.003, 0.01), "command error it does not follow",
+            "breakaway", "", 0.0, 0.0, 0.05, (0.01, 0.003), "command error it does not follow",
             "spool.stiction",
         ),
         EffectParameter(

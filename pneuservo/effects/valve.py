@@ -17,7 +17,7 @@ OVERLAP = Effect(
     equation="opening = sgn(xs) max(|xs| - lap, 0)",
     parameters=(
         EffectParameter(
-            "lap", "", 0.0, 0.0, 0.08, (0.002, 0.01), "dead travel", "valve.overlap", _LEAST_OVERLAP
+            "lap", "", 0.0, 0.0, 0.08, (0.01, 0.002), "dead travel", "valve.overlap", _LEAST_OVERLAP
         ),
     ),
     source="thesis section 4.3.1: 0.6 % of the command; McCloy and Martin 1980",
@@ -76,7 +76,7 @@ LAMINAR_TAIL = Effect(
     equation="m = m0/(1 + (width/(1 - Pr))^(sharpness/2))^(1/sharpness)",
     parameters=(
         EffectParameter(
-            "width", "", 0.0, 0.0, 0.2, (0.005, 0.03), "pressure drop below which it is laminar",
+            "width", "", 0.0, 0.0, 0.2, (0.03, 0.005), "pressure drop below which it is laminar",
             "valve.laminar_width",
         ),
         EffectParameter(
@@ -147,7 +147,7 @@ REATTACHMENT = Effect(
             "valve.attached_loss",
         ),
         EffectParameter(
-            "attach", "", 0.4, 0.1, 0.95, (0.3, 0.5), "ratio at which it attaches",
+            "attach", "", 0.4, 0.1, 0.95, (0.5, 0.3), "ratio at which it attaches",
             "valve.attach_ratio",
         ),
         EffectParameter(

@@ -136,7 +136,7 @@ def spool_rates(command, opening, opening_rate, pressure_share, stuck, valve, ef
     -----
     The flow force closes in proportion to opening and pressure drop (Blackburn, Reethof, Shearer
     1960). Dry friction brakes a spool that moves as much as it holds one that has just come to
-    rest. The limit of acceleration is that of the motor, whose force saturates softly.
+    rest. The limit of acceleration is that of the motor, and cuts off sharply.
     """
     if stuck != 0.0:
         return 0.0, 0.0
@@ -147,9 +147,7 @@ def spool_rates(command, opening, opening_rate, pressure_share, stuck, valve, ef
         command -= math.copysign(braked, opening_rate)
     acceleration = spool_acceleration(command, opening, opening_rate, valve)
     if effects.acceleration_limit > 0.0:
-        driven = spool_acceleration(command, opening, 0.0, valve)
-        limit = effects.acceleration_limit
-        acceleration += limit * math.tanh(driven / limit) - driven
+        acceleration = limited(acceleration, effects.acceleration_limit)
     return opening_rate, acceleration
 
 
