@@ -18,7 +18,6 @@ from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.rests import averaged_samples, chatters
 from pneuservo.diagnosis.models.servo.spread import (
     MOTION_MEMORY,
-    MOTION_MEMORY_AT_REST,
     shares_of_spool,
     spread_of_pressures,
 )
@@ -56,11 +55,6 @@ FINEST = 1e-4
 """No transducer is taken to be better than this, as a share of stroke, supply pressure and full
 opening, unless its noise is stated: in recordings without any noise, what is made of a command
 between its samples and of a motion that is smoothed was explained by delays."""
-LOOKED_AT = 0.1
-"""Time over which it shows whether a piston rests [s]."""
-RESTLESS = 5e-3
-"""Share of the full command by which that moves in this time where a piston may only seem to rest:
-a loop that hears the noise of its transducer pushes it to and fro."""
 PRESSURE_SMOOTHING = 3e-3
 """Time over which pressures are averaged where their rate is wanted [s]."""
 
@@ -311,50 +305,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         chatter=chatter,
         done=Recent(),
     )
-    return _with_spread(moved, rig)
-
-
-def may_only_seem_to_rest(fed: Feed, rig: Rig) -> bool:
-    """Return whether the command keeps on moving while the piston is held.
-
-    Parameters
-    ----------
-    fed : Feed
-        Of a recording.
-    rig : Rig
-        The rig it was taken on.
-    """
-    from scipy.ndimage import uniform_filter1d
-
-    still = fed.held & ~fed.touching
-    if not still.any():
-        return False
-    width = max(2, round(LOOKED_AT / fed.interval))
-    beside = fed.voltage - np.mean(fed.voltage)
-    square = uniform_filter1d(beside**2, width) - uniform_filter1d(beside, width) ** 2
-    return bool(np.median(square[still]) > (RESTLESS * rig["valve.full_voltage"]) ** 2)
-
-
-def unsure_of_rest(fed: Feed, rig: Rig) -> Feed:
-    """Return a feed whose piston at rest may creep by as much as the displacement does not tell.
-
-    Parameters
-    ----------
-    fed : Feed
-        Of a recording.
-    rig : Rig
-        The rig it was taken on.
-    """
-    samples = LOOKED_AT / fed.interval
-    slope = math.sqrt(12.0 / samples) * fed.noise["displacement"] / LOOKED_AT
-    still = fed.held & ~fed.touching
-    unsure = replace(
-        fed,
-        velocity_rms=np.where(still, np.maximum(fed.velocity_rms, slope), fed.velocity_rms),
-        motion_memory=MOTION_MEMORY_AT_REST,
-        done=Recent(),
-    )
-    return _with_spread(unsure, rig)
+    return with_spread(moved, rig)
 
 
 def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
@@ -372,8 +323,16 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
     return np.array([known.get(n, np.full_like(time, state[places[n]])) for n in PRESSURES])
 
 
-def _with_spread(fed: Feed, rig: Rig) -> Feed:
-    """Return a feed that knows how sure pressures and spool are between and at its samples."""
+def with_spread(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed that knows how sure pressures and spool are between and at its samples.
+
+    Parameters
+    ----------
+    fed : Feed
+        What that follows from has been changed.
+    rig : Rig
+        The rig it was taken on.
+    """
     spread = spread_of_pressures(
         fed.time,
         fed.unseen,
@@ -432,7 +391,7 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     rests = np.where(fed.touching, fed.resting, 0)
     stuck = np.zeros_like(fed.stuck)
     freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck, done=Recent())
-    return _with_spread(freed, rig)
+    return with_spread(freed, rig)
 
 
 def with_held_command(fed: Feed, rig: Rig) -> Feed:
@@ -448,4 +407,4 @@ def with_held_command(fed: Feed, rig: Rig) -> Feed:
     held = replace(
         fed, command=held_command(fed.voltage), unseen=np.zeros_like(fed.time), done=Recent()
     )
-    return _with_spread(held, rig)
+    return with_spread(held, rig)

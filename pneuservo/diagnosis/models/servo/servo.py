@@ -1,8 +1,7 @@
 """The single-axis servo, followed by an observer from command and measurements."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import chain
 from typing import ClassVar
 
 import numpy as np
@@ -30,11 +29,15 @@ from pneuservo.diagnosis.models.servo.feed import (
     Feed,
     feed,
     held_at_stops,
-    may_only_seem_to_rest,
-    unsure_of_rest,
     with_held_command,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
+from pneuservo.diagnosis.models.servo.likelihood import (
+    compared,
+    innovations,
+    levels_of,
+    unlikeliness_of,
+)
 from pneuservo.diagnosis.models.servo.measured_spool import (
     GAIN_SPREAD,
     SPOOL_GAIN,
@@ -54,6 +57,7 @@ from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import tables_of
+from pneuservo.diagnosis.models.servo.trust import steadily, unsure
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
@@ -75,26 +79,12 @@ _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
 _HUM_PASSES = 2
-_STEADY = 0.25
-"""Unmodelled force that the observer allows for where the piston of a recording moves steadily, as
-a share of what it else does: in half of the recordings of another simulator without any effect this
-is likelier, and in chatter never; a smaller share makes next to no difference."""
 _STANDS_STILL = 0.5
 """Share of the intervals in which a command does that comes from a table and not from a loop."""
-_CHATTERS = 0.2
-"""Share of the time in which a piston chatters by less than its displacement tells, from which it
-may be known so little that way friction acts ..."""
-_UNSTEADY = 4.0
-"""... that so many times the unmodelled force is allowed for. (A relay at 180 Hz whose piston moved
-by half the noise was left at 2.3 times the noise by the right parameters.)"""
 _ROWS = (*CHANNELS, AT_REST)
 _PLACE = CHANNELS.index("displacement")
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
-_NO_MISFIT = 1.25
-"""Noise is known to about a tenth: a square that is larger by less is none."""
-_MEDIAN = 0.455
-"""Of the square of a standard normal variable."""
 
 
 class ServoModel(Model):
@@ -139,7 +129,7 @@ class ServoModel(Model):
         if fed.supply is not None:
             found["frequency"] = (strongest_frequency(fed.time, fed.supply_reading),)
         elif any(fed.measured):
-            left = np.sum(_innovations(fed, {}, cases[0].rig)[: len(PRESSURES)], axis=0)
+            left = np.sum(innovations(fed, {}, cases[0].rig)[: len(PRESSURES)], axis=0)
             found["frequency"] += (sharpest_frequency(fed.time, left),)
         return found
 
@@ -217,7 +207,7 @@ class ServoModel(Model):
             except InputError:
                 # Nothing of it could be judged then: it stays as it is.
                 held += [other for other in cases if other.origin is case.origin]
-        return _compared([list(cases), held])
+        return compared([list(cases), held])
 
     def stored(self, case: Case) -> bool:
         """Return whether the command stands still but for jumps and is not that of a relay."""
@@ -231,17 +221,12 @@ class ServoModel(Model):
         An observer that allows for much of it follows a slow misfit instead of showing it. So
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
-        ways = [list(cases), _followed(cases, _steadily), _followed(cases, _unsure)]
+        ways = [list(cases), _followed(cases, steadily), _followed(cases, unsure)]
         return ways if any(a is not b for a, b in zip(ways[0], ways[2], strict=True)) else ways[:2]
 
     def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
         """Return how large innovations are where the command is calm, in their noise squared."""
-        return {
-            (id(case.origin), channel): _level(squares, shares, _calm(case.inputs["feed"].voltage))
-            for case, mine in zip(cases, values, strict=True)
-            if case.inputs["leads"]
-            for channel, squares, shares in _seen(case, mine)
-        }
+        return levels_of(cases, values)
 
     def unlikeliness(
         self, cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
@@ -250,13 +235,7 @@ class ServoModel(Model):
 
         In their noise, or in the levels that are given.
         """
-        total = 0.0
-        for case, mine in zip(cases, values, strict=True):
-            for channel, squares, shares in _seen(case, mine) if case.inputs["leads"] else ():
-                level = levels[id(case.origin), channel] if levels else 1.0
-                seen = shares > 0.0
-                total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
-        return total
+        return unlikeliness_of(cases, values, levels)
 
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return every parameter that is known within a tolerance only."""
@@ -295,7 +274,7 @@ class ServoModel(Model):
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged channel as expected from its surroundings and its own past."""
         fed: Feed = case.inputs["feed"]
-        left = _innovations(fed, values, case.rig)[_ROWS.index(case.channel)]
+        left = innovations(fed, values, case.rig)[_ROWS.index(case.channel)]
         expected: Array = case.measured - left / case.scale
         return expected
 
@@ -394,64 +373,3 @@ def _followed(cases: Sequence[Case], as_given: Callable[[Feed, Rig], Feed]) -> l
         other = feeds[id(fed)]
         found.append(case if other is fed else replace(case, inputs={**case.inputs, "feed": other}))
     return found
-
-
-def _steadily(fed: Feed, rig: Rig) -> Feed:
-    """Return a feed with little of an unmodelled force."""
-    return replace(fed, unsteadiness=_STEADY)
-
-
-def _unsure(fed: Feed, rig: Rig) -> Feed:
-    """Return a feed that is unsure of the motion that the displacement does not tell, if any."""
-    if fed.chatter > _CHATTERS:
-        fed = replace(fed, unsteadiness=_UNSTEADY)
-    return unsure_of_rest(fed, rig) if may_only_seem_to_rest(fed, rig) else fed
-
-
-def _compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
-    """Return the cases of all readings, marked with the samples that are judged in each of them.
-
-    Without pressures a piston that chatters may pass for one that sticks in one of them, and what
-    is not judged is never unlikely.
-    """
-    everywhere: dict[int, NDArray[np.bool_]] = {}
-    for case in chain(*ways):
-        judged = case.inputs["feed"].shares > 0.0
-        everywhere[id(case.origin)] = everywhere.get(id(case.origin), True) & judged
-    return [
-        [
-            replace(case, inputs={**case.inputs, "compared": everywhere[id(case.origin)]})
-            for case in way
-        ]
-        for way in ways
-    ]
-
-
-def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
-    """Yield each channel's squared innovations, in noise, and their shares, as in a `Feed`."""
-    fed: Feed = case.inputs["feed"]
-    shares = np.where(case.inputs.get("compared", True), fed.shares, 0.0)
-    noise = fed.noise_of(CHANNELS)[:, np.newaxis]
-    squares = (_innovations(fed, values, case.rig)[: len(CHANNELS)] / noise) ** 2
-    for channel, mine in zip(FOLLOWED, shares.T, strict=True):
-        yield channel, squares[CHANNELS.index(channel)], mine
-    if len(fed.spool_reading):
-        yield "spool", squares[CHANNELS.index("spool")], fed.spool_shares
-
-
-def _level(squares: Array, shares: Array, calm: NDArray[np.bool_]) -> float:
-    seen = (shares > 0.0) & calm
-    level = float(np.median(squares[seen])) / _MEDIAN if np.any(seen) else 1.0
-    return level if level > _NO_MISFIT else 1.0
-
-
-def _calm(voltage: Array) -> NDArray[np.bool_]:
-    """Return the half of the samples at which the command bends least."""
-    curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
-    bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
-    return np.asarray(bend <= np.median(bend))
-
-
-def _innovations(fed: Feed, values: Values, rig: Rig) -> Array:
-    """Return the innovations of all channels, worked out once for all of them."""
-    return fed.done.get(tuple(sorted(values.items())), lambda: run_observer(fed, values, rig))

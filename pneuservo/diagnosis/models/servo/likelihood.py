@@ -1,0 +1,117 @@
+"""How likely recordings of the servo are as they are read and followed."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pneuservo.diagnosis.models.model import Array, Case, Levels, Values
+from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, Feed
+from pneuservo.diagnosis.models.servo.run_observer import run_observer
+from pneuservo.rigs import Rig
+
+_NO_MISFIT = 1.25
+"""Noise is known to about a tenth: a square that is larger by less is none."""
+_MEDIAN = 0.455
+"""Of the square of a standard normal variable."""
+
+
+def innovations(fed: Feed, values: Values, rig: Rig) -> Array:
+    """Return the innovations of all channels, worked out once for all of them.
+
+    Parameters
+    ----------
+    fed, values, rig
+        As in `pneuservo.diagnosis.models.servo.run_observer.run_observer`.
+    """
+    return fed.done.get(tuple(sorted(values.items())), lambda: run_observer(fed, values, rig))
+
+
+def levels_of(cases: Sequence[Case], values: Sequence[Values]) -> Levels:
+    """Return how large innovations are where the command is calm, in their noise squared.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Recordings as they are read.
+    values : sequence of mapping
+        What their rig is like, one per case.
+    """
+    return {
+        (id(case.origin), channel): _level(squares, shares, _calm(case.inputs["feed"].voltage))
+        for case, mine in zip(cases, values, strict=True)
+        if case.inputs["leads"]
+        for channel, squares, shares in _seen(case, mine)
+    }
+
+
+def unlikeliness_of(
+    cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
+) -> float:
+    """Return how unlikely the innovations of all recordings are, each counted once.
+
+    Parameters
+    ----------
+    cases, values
+        As for `levels_of`.
+    levels : mapping, optional
+        What innovations count in, of `levels_of`; without them in their noise.
+    """
+    total = 0.0
+    for case, mine in zip(cases, values, strict=True):
+        for channel, squares, shares in _seen(case, mine) if case.inputs["leads"] else ():
+            level = levels[id(case.origin), channel] if levels else 1.0
+            seen = shares > 0.0
+            total += float(np.sum(squares[seen] / level - 2.0 * np.log(shares[seen])))
+    return total
+
+
+def compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
+    """Return the cases of all readings, marked with the samples that are judged in each of them.
+
+    Without pressures a piston that chatters may pass for one that sticks in one of them, and what
+    is not judged is never unlikely.
+
+    Parameters
+    ----------
+    ways : sequence of sequence of Case
+        The same recordings in several readings.
+    """
+    everywhere: dict[int, NDArray[np.bool_]] = {}
+    for case in chain(*ways):
+        judged = case.inputs["feed"].shares > 0.0
+        everywhere[id(case.origin)] = everywhere.get(id(case.origin), True) & judged
+    return [
+        [
+            replace(case, inputs={**case.inputs, "compared": everywhere[id(case.origin)]})
+            for case in way
+        ]
+        for way in ways
+    ]
+
+
+def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
+    """Yield each channel's squared innovations, in noise, and their shares, as in a `Feed`."""
+    fed: Feed = case.inputs["feed"]
+    shares = np.where(case.inputs.get("compared", True), fed.shares, 0.0)
+    noise = fed.noise_of(CHANNELS)[:, np.newaxis]
+    squares = (innovations(fed, values, case.rig)[: len(CHANNELS)] / noise) ** 2
+    for channel, mine in zip(FOLLOWED, shares.T, strict=True):
+        yield channel, squares[CHANNELS.index(channel)], mine
+    if len(fed.spool_reading):
+        yield "spool", squares[CHANNELS.index("spool")], fed.spool_shares
+
+
+def _level(squares: Array, shares: Array, calm: NDArray[np.bool_]) -> float:
+    seen = (shares > 0.0) & calm
+    level = float(np.median(squares[seen])) / _MEDIAN if np.any(seen) else 1.0
+    return level if level > _NO_MISFIT else 1.0
+
+
+def _calm(voltage: Array) -> NDArray[np.bool_]:
+    """Return the half of the samples at which the command bends least."""
+    curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
+    bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))
+    return np.asarray(bend <= np.median(bend))

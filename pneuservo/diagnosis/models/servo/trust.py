@@ -1,0 +1,98 @@
+"""How much an observer of the servo trusts its model, and the motion that was smoothed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from pneuservo.diagnosis.models.recent import Recent
+from pneuservo.diagnosis.models.servo.feed import Feed, with_spread
+from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY_AT_REST
+from pneuservo.rigs import Rig
+
+_STEADY = 0.25
+"""Unmodelled force that the observer allows for where the piston of a recording moves steadily, as
+a share of what it else does: in half of the recordings of another simulator without any effect this
+is likelier, and in chatter never; a smaller share makes next to no difference."""
+_CHATTERS = 0.2
+"""Share of the time in which a piston chatters by less than its displacement tells, from which it
+may be known so little that way friction acts ..."""
+_UNSTEADY = 4.0
+"""... that so many times the unmodelled force is allowed for. (A relay at 180 Hz whose piston moved
+by half the noise was left at 2.3 times the noise by the right parameters.)"""
+LOOKED_AT = 0.1
+"""Time over which it shows whether a piston rests [s]."""
+RESTLESS = 5e-3
+"""Share of the full command by which that moves in this time where a piston may only seem to rest:
+a loop that hears the noise of its transducer pushes it to and fro."""
+
+
+def steadily(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed with little of an unmodelled force.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    rig : Rig
+        The rig it was taken on.
+    """
+    return replace(fed, unsteadiness=_STEADY)
+
+
+def unsure(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed that is unsure of the motion that the displacement does not tell, if any.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording; returned as it is where the displacement tells.
+    rig : Rig
+        The rig it was taken on.
+    """
+    if fed.chatter > _CHATTERS:
+        fed = replace(fed, unsteadiness=_UNSTEADY)
+    return unsure_of_rest(fed, rig) if may_only_seem_to_rest(fed, rig) else fed
+
+
+def may_only_seem_to_rest(fed: Feed, rig: Rig) -> bool:
+    """Return whether the command keeps on moving while the piston is held.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    rig : Rig
+        The rig it was taken on.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    still = fed.held & ~fed.touching
+    if not still.any():
+        return False
+    width = max(2, round(LOOKED_AT / fed.interval))
+    beside = fed.voltage - np.mean(fed.voltage)
+    square = uniform_filter1d(beside**2, width) - uniform_filter1d(beside, width) ** 2
+    return bool(np.median(square[still]) > (RESTLESS * rig["valve.full_voltage"]) ** 2)
+
+
+def unsure_of_rest(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed whose piston at rest may creep by as much as the displacement does not tell.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    rig : Rig
+        The rig it was taken on.
+    """
+    samples = LOOKED_AT / fed.interval
+    slope = math.sqrt(12.0 / samples) * fed.noise["displacement"] / LOOKED_AT
+    still = fed.held & ~fed.touching
+    unsure = replace(
+        fed,
+        velocity_rms=np.where(still, np.maximum(fed.velocity_rms, slope), fed.velocity_rms),
+        motion_memory=MOTION_MEMORY_AT_REST,
+        done=Recent(),
+    )
+    return with_spread(unsure, rig)
