@@ -107,7 +107,7 @@ PORT_COVERING = Effect(
             "loss", "", 0.0, 0.0, 0.99, (0.1,), "flow lost right at the end", "chamber.port_loss"
         ),
         EffectParameter(
-            "length", "m", 0.0, 1e-4, 0.01, (1e-3, 4e-3), "over which it is covered",
+            "length", "m", 0.0, 1e-4, 0.02, (1e-3, 4e-3, 0.012), "over which it is covered",
             "chamber.port_length",
         ),
     ),

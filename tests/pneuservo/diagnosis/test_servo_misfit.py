@@ -106,7 +106,7 @@ def test_pressures_that_swing_together_are_pushed_by_something(seed, size):
     slow = lfilter([1.0], [1.0, -0.98], drive)
     slow *= size / np.std(slow)
     found = misfit(seed, {"pressure_a": slow, "pressure_b": -slow, "displacement": slow})
-    assert found.block == "piston"
+    assert found.block == "load"
     assert "pressure a and the pressure b swing" in found.words
 
 
@@ -122,5 +122,5 @@ def test_a_supply_that_swings_by_itself_is_told(seed, size, found):
 
 def test_a_piston_that_rests_under_more_than_friction_holds_is_pushed_by_something():
     found = misfit(1, {}, at_rest=5.0)
-    assert found.block == "piston"
+    assert found.block == "load"
     assert found.energy == pytest.approx(2 * 30 * 25.0)

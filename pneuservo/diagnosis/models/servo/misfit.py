@@ -209,7 +209,7 @@ def _lost_rest(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | No
         "a force acts on the piston that no channel tells: it rests under more than its friction "
         "can hold"
     )
-    return Misfit("piston", words, sum(squares))
+    return Misfit("load", words, sum(squares))
 
 
 @dataclass(frozen=True)
@@ -254,7 +254,7 @@ def _swing(lefts: Sequence[_Left]) -> Misfit | None:
         f"below {highest:.2g} Hz the {' and the '.join(sorted(channels))} "
         f"{'swings' if len(channels) == 1 else 'swing'} in a way that nothing recorded brings about"
     )
-    return Misfit("piston" if len(channels) > 1 else "valve.flow", words, energy)
+    return Misfit("load" if len(channels) > 1 else "valve.flow", words, energy)
 
 
 def _swing_of_supply(lefts: Sequence[_Left]) -> Misfit | None:
