@@ -46,7 +46,7 @@ SERVO_HEAT_TRANSFER = Effect(
     equation="V p' = g R (m_in T_in - m_out T) - g p V' + (g - 1) conductance (T_wall - T)",
     parameters=(
         EffectParameter(
-            "conductance", "W/K", 0.0, 0.0, 2.0, (0.03, 0.15), "of a chamber at mid-stroke",
+            "conductance", "W/K", 0.0, 0.0, 2.0, (0.15, 0.03), "of a chamber at mid-stroke",
             "chamber.heat_conductance", least=_LEAST_CONDUCTANCE,
         ),
     ),

@@ -40,7 +40,7 @@ PRESLIDING = Effect(
             0.0,
             0.0,
             5e-3,
-            (3e-6, 2e-5, 1e-4),
+            (1e-4, 2e-5, 3e-6),
             "distance over which friction builds up",
             "friction.presliding_travel",
             least=_LEAST_TRAVEL,
@@ -178,7 +178,7 @@ BREAKAWAY_DWELL = Effect(
             "excess", "N", 0.0, 0.0, 30.0, (1.0,), "gained by a long rest", "friction.dwell_excess"
         ),
         EffectParameter(
-            "time", "s", 10.0, 0.01, 1000.0, (0.1, 1.0, 30.0), "over which it is gained",
+            "time", "s", 10.0, 0.01, 1000.0, (1.0, 30.0, 0.1), "over which it is gained",
             "friction.dwell_time",
         ),
     ),

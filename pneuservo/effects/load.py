@@ -103,7 +103,7 @@ BACKLASH = Effect(
     equation="F = 0 while |q| < play/2, of a joint with share of the mass behind it",
     parameters=(
         EffectParameter(
-            "play", "m", 0.0, 0.0, 2e-3, (2e-5, 1e-4), "free travel", "load.joint_play"
+            "play", "m", 0.0, 0.0, 2e-3, (1e-4, 2e-5), "free travel", "load.joint_play"
         ),
         EffectParameter(
             "share", "", 0.0, 0.05, 0.9, (0.5,), "of the mass behind the joint", "load.joint_share"
