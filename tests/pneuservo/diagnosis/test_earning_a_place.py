@@ -323,7 +323,10 @@ def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained
     assert found[name].gain == (900.0 if strained else 20.0)
 
 
-@pytest.mark.parametrize(("effect", "sizes"), [("spool.lineariser", 6), ("spool.null-bias", 1)])
+@pytest.mark.parametrize(
+    ("effect", "sizes"),
+    [("spool.lineariser", 6), ("sensor.position-nonlinearity", 3), ("spool.null-bias", 1)],
+)
 def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
     fit = leaves(1000.0, 0)
     judge = ByGain(fit, fit, effects_of("single-axis"), lambda name, fit: 0.0)
