@@ -14,10 +14,16 @@ from pneuservo.plant.single_axis import (
     DISPLACEMENT,
     PLANT_STATES,
     PRESSURE_A,
+    PRESSURE_B,
     SPOOL,
     STATES_WITH_CARD,
     VELOCITY,
 )
+
+MEAN_A, MEAN_B, BEGAN_A, BEGAN_B, MOVING, SWEPT = range(6)
+"""What belongs to a sampling interval: both pressures integrated over it and at its beginning; of a
+piston that is free to move the velocity, and that integrated."""
+WITHIN = 6
 
 
 @compiled
@@ -44,7 +50,9 @@ def advance(
     state,
     before,
     after,
+    held,
     free,
+    acceleration,
     time,
     command,
     k,
@@ -56,6 +64,7 @@ def advance(
     servo,
     grid,
     work,
+    within,
 ):
     """Advance spool, chambers, load and what belongs to them by one sampling interval.
 
@@ -64,21 +73,34 @@ def advance(
     state, modes, memory, rows, drive, servo, grid
         As in `pneuservo.plant.servo.chain.derivative`; the first four are written.
     before, after : (3,) array
-        Displacement, velocity and acceleration of the piston at both ends, SI.
+        Displacement, velocity and acceleration of the piston at both ends, SI; the velocity at the
+        end is written unless the piston is held.
+    held : bool
+        Whether the piston moves as it is told; otherwise its velocity follows from its acceleration
+        at the beginning and from what pressures and viscous friction change by.
     free : bool
         Whether the piston gives way to the load behind a joint: the acceleration is then what it
         would be if the joint's force stayed as it is.
     time, command
         As in `pneuservo.diagnosis.models.servo.spool.arriving`.
+    acceleration : float
+        Acceleration of the piston at the beginning [m/s^2].
     k : int
         The sample at which the interval begins.
     steps : int
         The interval is divided into so many equal steps.
     work : (3, m) array
         Room to work in.
+    within : (WITHIN,) array
+        The same.
 
     Returns
     -------
+    bent : float
+        By how much the mean push of the pressures differs from that of both ends of the interval:
+        after a jump of the command they are far from straight in it [m/s^2].
+    ahead : float
+        By how much the piston gets farther than at the mean of its velocities at both ends [m].
     beyond, change : float
         By how much the joint's mean push differs from that of both ends of the interval, and by
         how much its push has changed in it [m/s^2].
@@ -86,6 +108,9 @@ def advance(
     interval = time[k + 1] - time[k]
     step = interval / steps
     begun = _joint(state, servo) if free else math.nan
+    within[BEGAN_A], within[BEGAN_B] = state[PRESSURE_A], state[PRESSURE_B]
+    within[MEAN_A] = within[MEAN_B] = within[SWEPT] = 0.0
+    within[MOVING] = math.nan if held else before[1]
     swung, before_step = 0.0, begun
     for j in range(steps):
         _step(
@@ -93,6 +118,7 @@ def advance(
             before,
             after,
             begun,
+            acceleration,
             j * step,
             step,
             time,
@@ -104,16 +130,26 @@ def advance(
             servo,
             grid,
             work,
+            within,
         )
         remember_beside_spool(state, modes, memory, rows, drive, (j + 1) * step, step, servo, grid)
         if free:
             here = _joint(state, servo)
             swung += 0.5 * (before_step + here) / steps
             before_step = here
+    piston = servo.plant.piston
+    mass = rigid_mass(piston.mass, servo.effects.load)
+    bent_a = within[MEAN_A] / interval - 0.5 * (within[BEGAN_A] + state[PRESSURE_A])
+    bent_b = within[MEAN_B] / interval - 0.5 * (within[BEGAN_B] + state[PRESSURE_B])
+    bent = (piston.area_a * bent_a - piston.area_b * bent_b) / mass
+    ahead = 0.0
+    if not held:
+        after[1] = within[MOVING]
+        ahead = within[SWEPT] - 0.5 * interval * (before[1] + after[1])
     if not free:
-        return 0.0, 0.0
-    mass = rigid_mass(servo.plant.piston.mass, servo.effects.load)
-    return (swung - 0.5 * (begun + before_step)) / mass, (before_step - begun) / mass
+        return bent, ahead, 0.0, 0.0
+    swings = (swung - 0.5 * (begun + before_step)) / mass
+    return bent, ahead, swings, (before_step - begun) / mass
 
 
 @compiled
@@ -130,6 +166,7 @@ def _step(
     before,
     after,
     begun,
+    acceleration,
     elapsed,
     step,
     time,
@@ -141,6 +178,7 @@ def _step(
     servo,
     grid,
     work,
+    within,
 ):
     """Advance spool and chambers by one step, divided where the spool crosses its null.
 
@@ -166,6 +204,7 @@ def _step(
             before,
             after,
             begun,
+            acceleration,
             passed,
             length,
             interval,
@@ -175,6 +214,7 @@ def _step(
             servo,
             grid,
             work,
+            within,
         )
 
 
@@ -185,6 +225,7 @@ def _fill(
     before,
     after,
     begun,
+    acceleration,
     elapsed,
     step,
     interval,
@@ -194,29 +235,43 @@ def _fill(
     servo,
     grid,
     work,
+    within,
 ):
-    """Advance the chambers by one classical Runge-Kutta step, all of the motion straight in time.
+    """Advance the chambers by one classical Runge-Kutta step, and a piston that is free to move.
 
-    Of the three openings, at the beginning, halfway and at the end, the second is what gives the
-    mean with the others: where the spool meets the end of its travel, its place would not.
+    One that is held moves straight in time. Of the three openings, at the beginning, halfway and
+    at the end, the second is what gives the mean with the others: where the spool meets the end of
+    its travel, its place would not.
     """
     rate, total, start = work[0], work[1], work[2]
     start[:] = state
     total[:] = 0.0
+    piston, moving = servo.plant.piston, within[MOVING] == within[MOVING]
+    mass = rigid_mass(piston.mass, servo.effects.load)
+    speed, faster, gained = within[MOVING], 0.0, 0.0
     for stage in range(4):
-        at = elapsed + (0.0 if stage == 0 else step if stage == 3 else 0.5 * step)
+        passed = 0.0 if stage == 0 else step if stage == 3 else 0.5 * step
+        at = elapsed + passed
         state[SPOOL] = openings[(stage + 1) // 2]
         share = at / interval
         state[DISPLACEMENT] = before[0] + share * (after[0] - before[0])
+        weight = 1.0 if stage == 0 or stage == 3 else 2.0
+        more = _joint(state, servo) - begun if begun == begun else 0.0
         state[VELOCITY] = before[1] + share * (after[1] - before[1])
+        if moving:
+            state[VELOCITY] = speed + passed * faster
+            within[SWEPT] += weight / 6.0 * step * state[VELOCITY]
+            push = piston.area_a * (state[PRESSURE_A] - within[BEGAN_A]) + more
+            push -= piston.area_b * (state[PRESSURE_B] - within[BEGAN_B])
+            push -= piston.viscous_friction * (state[VELOCITY] - before[1])
+            faster = acceleration + push / mass
+            gained += weight / 6.0 * step * faster
         if state.shape[0] > PLANT_STATES:
-            second = before[2] + share * (after[2] - before[2])
-            if begun == begun:
-                more = _joint(state, servo) - begun
-                second += more / rigid_mass(servo.plant.piston.mass, servo.effects.load)
+            second = before[2] + share * (after[2] - before[2]) + more / mass
             carried_rates(state, state[VELOCITY], second, servo, rate)
         pneumatic_rates(state, state[VELOCITY], memory, rows, drive, at, servo, grid, rate)
-        weight = 1.0 if stage == 0 or stage == 3 else 2.0
+        within[MEAN_A] += weight / 6.0 * step * state[PRESSURE_A]
+        within[MEAN_B] += weight / 6.0 * step * state[PRESSURE_B]
         for i in range(PRESSURE_A, state.shape[0]):
             if i < SPOOL or i >= STATES_WITH_CARD:
                 total[i] += weight / 6.0 * rate[i]
@@ -225,3 +280,4 @@ def _fill(
     for i in range(PRESSURE_A, state.shape[0]):
         if i < SPOOL or i >= STATES_WITH_CARD:
             state[i] = start[i] + step * total[i]
+    within[MOVING] = speed + gained

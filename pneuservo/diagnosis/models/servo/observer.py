@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from pneuservo.diagnosis.models.servo.advance import advance, write_drive
+from pneuservo.diagnosis.models.servo.advance import WITHIN, advance, write_drive
 from pneuservo.diagnosis.models.servo.covariance import (
     ESTIMATED,
     FOLLOWED_A,
@@ -177,7 +177,7 @@ def observe(
     covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)
     path[0, 0], path[1, 0], path[2, 0] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
-    error = np.zeros(3)
+    error, within = np.zeros(3), np.zeros(WITHIN)
     for k in range(n - 1):
         interval = time[k + 1] - time[k]
         write_drive(drive, k, time, supply)
@@ -206,16 +206,17 @@ def observe(
         rising = (effects.sensor.displacement_gain - earlier) / interval
         if not held[k]:
             before[1] = (velocity + lag * lagged - rising * true[0, k]) / slope
-            after[1] = before[1] + interval * last
         free = effects.load.joint_share > 0.0 and not held[k]
         if free:
             before[2] = after[2] = last
         zeros *= math.exp(-interval / WANDER_TIME)
-        swung, shift = advance(
+        bent, ahead, swung, shift = advance(
             state,
             before,
             after,
+            held[k],
             free,
+            last,
             time,
             command,
             k,
@@ -227,6 +228,7 @@ def observe(
             servo,
             grid,
             work,
+            within,
         )
         port = supply_at_valve(state, drive, interval, servo)
         flow_a, flow_b, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
@@ -241,14 +243,14 @@ def observe(
             servo,
         )
         slope = displacement_gain(true[0, k + 1], piston.stroke, effects.sensor)
-        mean = slope * (0.5 * (now + last) + swung if k else now)
+        mean = slope * (0.5 * (now + last) + bent + swung if k else now)
         if free:
             # While it swung, the other forces were taken to stay as they had been.
-            state[JOINT_RATE] -= 0.5 * interval * (now - last - shift)
+            state[JOINT_RATE] -= interval * (0.5 * (now - last - shift) + bent)
         # A transducer's lag lets go of what it held back: exact for a force that stays as it is.
         let_go = followed(interval, lag)
         held_back = lag * (lagged - mean)
-        position += interval * velocity + 0.5 * interval * interval * mean
+        position += interval * velocity + 0.5 * interval * interval * mean + slope * ahead
         position += held_back * (interval - lag * let_go)
         velocity += interval * mean + held_back * let_go
         lagged += (mean - lagged) * let_go
