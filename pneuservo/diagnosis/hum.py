@@ -22,6 +22,35 @@ _HIGHEST = 0.45
 """Share of the sampling rate up to which lines are looked for."""
 
 
+SLOW = 3.0
+"""What is left of a command that repeats more slowly has lines beside those of the mains [Hz]."""
+REPEATED = 0.5
+"""Share of a command's energy that one frequency has where the command repeats itself."""
+
+
+def repeats(command: Array, interval: float) -> bool:
+    """Return whether a command repeats itself so fast that what is left of it may pass for hum.
+
+    Parameters
+    ----------
+    command : (n,) array
+        At equal intervals [any unit].
+    interval : float
+        Between its samples [s].
+
+    Examples
+    --------
+    >>> t = np.arange(4000) * 1e-3
+    >>> repeats(np.sign(np.sin(20 * np.pi * t + 0.1)), 1e-3), repeats(np.sin(t), 1e-3)
+    (True, False)
+    """
+    power = np.abs(np.fft.rfft(command - np.mean(command))) ** 2
+    most = int(np.argmax(power))
+    line = float(np.sum(power[max(most - 1, 0) : most + 2]))
+    fast = most / (len(command) * interval) > SLOW
+    return bool(fast and line > REPEATED * float(np.sum(power)))
+
+
 def hum_in(residuals: Sequence[Array], shares: Sequence[Array], time: Array) -> list[Array]:
     """Return the mains hum that several channels of one recording have in common.
 

@@ -101,7 +101,7 @@ PORT_COVERING = Effect(
     block="chamber.a",
     rigs=("single-axis",),
     statement="The piston covers the ports near its ends; the model leaves them open.",
-    equation="m = m_valve (1 - loss (1 - d/length)) within length of the end",
+    equation="m = m_valve (1 - loss (1 - d/length)^1.5) within length of the end",
     parameters=(
         EffectParameter(
             "loss", "", 0.0, 0.0, 0.99, (0.1,), "flow lost right at the end", "chamber.port_loss"

@@ -75,6 +75,7 @@ _HOLD = (
     "pressure differences of both signs"
 )
 _PAST_PISTON = "leak past the piston"
+_OUT_OF = "leak out of chamber {}"
 CROSS_PISTON = Effect(
     id="leakage.cross-piston",
     block="chamber.a",
@@ -111,6 +112,7 @@ CHAMBER_A = Effect(
     ),
     source="thesis equation (4.15); Beater 2007, Pneumatic Drives",
     experiment=_HOLD,
+    group=_OUT_OF.format("a"),
 )  # fmt: skip
 ROD_SEAL = Effect(
     id="leakage.rod-seal",
@@ -132,6 +134,7 @@ ROD_SEAL = Effect(
     ),
     source="thesis equation (4.15); Richer and Hurmuzlu 2000",
     experiment=_HOLD,
+    group=_OUT_OF.format("b"),
 )  # fmt: skip
 _OPENING = "Chamber {} leaks through a gap that opens under pressure; the model holds it tight."
 PRESSURE_OPENING_A, PRESSURE_OPENING_B = (
@@ -153,6 +156,7 @@ PRESSURE_OPENING_A, PRESSURE_OPENING_B = (
         ),
         source="fit to leak-down recordings of printed chambers, Zillen 2021",
         experiment=_EXPERIMENT,
+        group=_OUT_OF.format(chamber),
     )
     for chamber in ("a", "b")
 )  # fmt: skip

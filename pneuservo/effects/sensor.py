@@ -205,7 +205,7 @@ PRESSURE_LAG = Effect(
     equation="time p_read' = p - p_read",
     parameters=(
         EffectParameter(
-            "time", "s", 0.0, 0.0, 0.02, (2e-3,), "of the lag", "sensor.pressure_lag", 5e-5
+            "time", "s", 0.0, 0.0, 0.02, (2e-3, 1e-4), "of the lag", "sensor.pressure_lag", 5e-5
         ),
     ),
     source="tube to the tap and amplifier, 0.2 to 5 ms; Doebelin",

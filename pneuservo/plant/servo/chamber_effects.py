@@ -138,11 +138,16 @@ def port_share(distance, effects):
     effects : ChamberEffects
         The effects.
 
+    Notes
+    -----
+    Slots and round holes are covered nearly in proportion to the way, what is chamfered or squeezed
+    through a narrowing gap has a tail: the power is between them (assumed).
+
     Examples
     --------
-    >>> port_share(1e-3, ChamberEffects(port_length=2e-3, port_loss=0.5))
-    0.75
+    >>> port_share(1.5e-3, ChamberEffects(port_length=2e-3, port_loss=0.8))
+    0.9
     """
     if distance < effects.port_length:
-        return 1.0 - effects.port_loss * (1.0 - max(distance, 0.0) / effects.port_length)
+        return 1.0 - effects.port_loss * (1.0 - max(distance, 0.0) / effects.port_length) ** 1.5
     return 1.0

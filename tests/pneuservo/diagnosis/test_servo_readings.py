@@ -47,7 +47,8 @@ def test_mains_hum_is_taken_out_of_every_channel(rig):
 
 
 def test_a_chatter_that_is_read_wrongly_does_not_pass_for_hum(rig):
-    # A relay at the second harmonic of 60 Hz: a command that runs on would not fit its edges.
+    # A relay at the second harmonic of 60 Hz: a command that runs on does not fit its edges, and
+    # leaves a line there.
     command = 4.0 * np.sign(np.sin(2.0 * np.pi * 120.0 * TIME + 0.1))
     recording = noisy(simulate(rig, time=TIME, command=command), np.random.default_rng(7))
     model = ServoModel()
@@ -55,8 +56,7 @@ def test_a_chatter_that_is_read_wrongly_does_not_pass_for_hum(rig):
     taken = [
         np.std(c.recording["pressure_a"] - recording["pressure_a"]) for c in (running[1], held[1])
     ]
-    assert taken[0] > NOISE["pressure_a"]
-    assert taken[1] < 0.2 * NOISE["pressure_a"]
+    assert max(taken) < 0.2 * NOISE["pressure_a"]
     assert np.std(by_channel(model, held, {})["pressure_a"]) == pytest.approx(1.0, abs=0.1)
 
 

@@ -20,10 +20,11 @@ from pneuservo.plant.single_axis import (
     VELOCITY,
 )
 
-MEAN_A, MEAN_B, BEGAN_A, BEGAN_B, MOVING, SWEPT = range(6)
+MEAN_A, MEAN_B, BEGAN_A, BEGAN_B, MOVING, SWEPT, BEHIND_A, BEHIND_B = range(8)
 """What belongs to a sampling interval: both pressures integrated over it and at its beginning; of a
-piston that is free to move the velocity, and that integrated."""
-WITHIN = 6
+piston that is free to move the velocity, and that integrated. The last two go on from one to the
+next: by how much the readings of transducers that lag are behind the pressures."""
+WITHIN = 8
 
 
 @compiled
@@ -92,7 +93,7 @@ def advance(
     work : (3, m) array
         Room to work in.
     within : (WITHIN,) array
-        The same.
+        The same; what the transducers are behind is kept from one interval to the next.
 
     Returns
     -------
@@ -113,6 +114,7 @@ def advance(
     within[MOVING] = math.nan if held else before[1]
     swung, before_step = 0.0, begun
     for j in range(steps):
+        started_a, started_b = state[PRESSURE_A], state[PRESSURE_B]
         _step(
             state,
             before,
@@ -132,6 +134,7 @@ def advance(
             work,
             within,
         )
+        _fall_behind(within, state[PRESSURE_A] - started_a, state[PRESSURE_B] - started_b, step, servo)
         remember_beside_spool(state, modes, memory, rows, drive, (j + 1) * step, step, servo, grid)
         if free:
             here = _joint(state, servo)
@@ -150,6 +153,17 @@ def advance(
         return bent, ahead, 0.0, 0.0
     swings = (swung - 0.5 * (begun + before_step)) / mass
     return bent, ahead, swings, (before_step - begun) / mass
+
+
+@compiled
+def _fall_behind(within, risen_a, risen_b, step, servo):
+    """Let transducers that lag follow pressures that have risen straight over a step."""
+    lag = servo.effects.sensor.pressure_lag
+    if lag > 0.0:
+        kept = math.exp(-step / lag)
+        gathered = lag / step * (1.0 - kept)
+        within[BEHIND_A] = kept * within[BEHIND_A] + gathered * risen_a
+        within[BEHIND_B] = kept * within[BEHIND_B] + gathered * risen_b
 
 
 @compiled

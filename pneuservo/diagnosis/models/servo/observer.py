@@ -4,7 +4,13 @@ import math
 
 import numpy as np
 
-from pneuservo.diagnosis.models.servo.advance import WITHIN, advance, write_drive
+from pneuservo.diagnosis.models.servo.advance import (
+    BEHIND_A,
+    BEHIND_B,
+    WITHIN,
+    advance,
+    write_drive,
+)
 from pneuservo.diagnosis.models.servo.covariance import (
     ESTIMATED,
     FOLLOWED_A,
@@ -82,8 +88,8 @@ def observe(
     command : (n, m + 1) array
         Into the valve driver, as in `pneuservo.diagnosis.models.servo.spool.arriving` [V].
     readings : (3, n) array
-        Both pressures, the errors of the transducers undone, and the displacement as measured;
-        NaN where there is none, SI.
+        Both pressures, the errors of the transducers undone but for their lag, and the displacement
+        as measured; NaN where there is none, SI.
     motion, true : (3, n) array
         Smoothed displacement, velocity and acceleration of the reading and of the piston, SI.
     supply : (n,) array
@@ -178,6 +184,11 @@ def observe(
     before, after = np.zeros(3), np.zeros(3)
     path[0, 0], path[1, 0], path[2, 0] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
     error, within = np.zeros(3), np.zeros(WITHIN)
+    if effects.sensor.pressure_lag > 0.0:
+        behind_a, behind_b = state[PRESSURE_A] - readings[0, 0], state[PRESSURE_B] - readings[1, 0]
+        # A reading that is missing is behind nothing.
+        within[BEHIND_A] = behind_a if math.isfinite(behind_a) else 0.0
+        within[BEHIND_B] = behind_b if math.isfinite(behind_b) else 0.0
     for k in range(n - 1):
         interval = time[k + 1] - time[k]
         write_drive(drive, k, time, supply)
@@ -262,8 +273,8 @@ def observe(
             left[:, k + 1 :] = math.inf
             at_rest[0, k + 1 :] = math.inf
             break
-        error[0] = readings[0, k + 1] - state[PRESSURE_A] - zeros[0]
-        error[1] = readings[1, k + 1] - state[PRESSURE_B] - zeros[1]
+        error[0] = readings[0, k + 1] - state[PRESSURE_A] + within[BEHIND_A] - zeros[0]
+        error[1] = readings[1, k + 1] - state[PRESSURE_B] + within[BEHIND_B] - zeros[1]
         missed = effects.sensor.static_share
         if missed != 0.0:
             error[0] += missed * dynamic_pressure(flow_a, state[PRESSURE_A], plant.gas)

@@ -226,6 +226,8 @@ def _observe(
         effects = effects._replace(supply=SupplyEffects())
     motion, pressures = truth(fed, plant, effects)
     there = np.array(fed.measured)[:, np.newaxis]
+    # How far a lagging transducer is behind, the observer knows better than smoothed rates do.
+    lagging = pressures - effects.sensor.pressure_lag * fed.pressure_rates / _as_read(effects)
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
@@ -239,7 +241,7 @@ def _observe(
     found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
         fed.command,
-        np.vstack([np.where(there, pressures, np.nan), fed.reading]),
+        np.vstack([np.where(there, lagging, np.nan), fed.reading]),
         fed.motion,
         motion,
         supply,

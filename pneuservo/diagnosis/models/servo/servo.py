@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.hum import hum_in
+from pneuservo.diagnosis.hum import hum_in, repeats
 from pneuservo.diagnosis.models.model import (
     Array,
     Case,
@@ -333,6 +333,8 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
     Innovations show a line as it is read; what is taken out shows what the motion had taken up.
     """
     fed = _fed(recording, rig, ramped)
+    if repeats(fed.voltage, fed.interval):
+        return recording, fed
     for _ in range(_HUM_PASSES):
         noise = fed.noise_of(CHANNELS)
         left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
