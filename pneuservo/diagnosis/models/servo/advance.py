@@ -134,7 +134,9 @@ def advance(
             work,
             within,
         )
-        _fall_behind(within, state[PRESSURE_A] - started_a, state[PRESSURE_B] - started_b, step, servo)
+        _fall_behind(
+            within, state[PRESSURE_A] - started_a, state[PRESSURE_B] - started_b, step, servo
+        )
         remember_beside_spool(state, modes, memory, rows, drive, (j + 1) * step, step, servo, grid)
         if free:
             here = _joint(state, servo)
