@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from pneuservo.diagnosis.fit import explained
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import DECISIVE, LARGE_SHARE_OF_REST
+from pneuservo.diagnosis.judge import DECISIVE, LARGE_SHARE_OF_REST, is_impossible
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count
+from pneuservo.diagnosis.strained import out_of_tolerance
 
 MOST_EFFECTS = 3
 
@@ -111,6 +112,27 @@ class Search(Rivals):
             if not weakest or self.over_chance[weakest] > 1.0:
                 break
             self._drop(weakest, "chance explains as much")
+
+    def name_wrong_parameters(self) -> None:
+        """Name parameters that are out of their tolerance, where nothing else was found.
+
+        They cost little to explain recordings with, so that setting them free hardly explains more.
+        """
+        if self.accepted or not self.model.steady:
+            return
+        while len(self.accepted) < MOST_EFFECTS:
+            current = self.chosen
+            wrong = [f"param.{key}" for key in out_of_tolerance(current)]
+            name = next((name for name in wrong if name in self.candidates), "")
+            if not name or name in self.accepted:
+                break
+            free = self.ended(current.hypothesis.adding(name))
+            if is_impossible(name, free):
+                break
+            self.accepted.append(name)
+            drop = current.evidence(free.effective) - free.evidence(free.effective)
+            step = Step(current.hypothesis.members, name, True, evidence_drop=drop, share=0.0)
+            self.ledger.append(step)
 
     def drop_refuted(self, held_back: HeldBack) -> None:
         """Drop what recordings that were held back speak against, the last that was added first.

@@ -1,0 +1,58 @@
+"""A parameter out of its tolerance is named, though it costs little to explain recordings with."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from servo_recordings import recorded
+
+from pneuservo.controllers import Proportional, SlidingMode
+from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.strained import out_of_tolerance
+from pneuservo.rigs import load_rig
+
+
+def diagnosed(key, tolerances):
+    """Return the answer where one parameter is so many tolerances off, and what it is."""
+    rig = load_rig("single-axis")
+    parameter = rig.parameters[key]
+    off = rig.with_values({key: parameter.value + tolerances * parameter.tolerance})
+    used = [recorded(off, Proportional(), 5), recorded(off, SlidingMode(), 6)]
+    return document(diagnose(used)), off[key]
+
+
+@pytest.mark.parametrize(
+    ("key", "tolerances", "block"),
+    [
+        ("valve.spool.damping", 3.0, "valve.spool"),
+        ("valve.flow.area_s_a", -3.0, "valve.flow"),
+        ("chamber.polytropic_index", -2.6, "chamber"),
+    ],
+)
+def test_a_parameter_three_tolerances_off_is_named_with_its_value(key, tolerances, block):
+    answer, true = diagnosed(key, tolerances)
+    assert answer["verdict"] == "parameter", answer["missing"]
+    assert list(answer["corrected_parameters"]) == [key]
+    assert answer["corrected_parameters"][key]["value"] == pytest.approx(true, rel=0.03)
+    assert [entry["block"] for entry in answer["located"]] == [block]
+
+
+def test_a_parameter_within_two_tolerances_is_left_alone():
+    answer, _ = diagnosed("valve.flow.area_s_a", -1.5)
+    assert answer["verdict"] == "consistent"
+    assert answer["corrected_parameters"] == {}
+
+
+@pytest.mark.parametrize(
+    ("distance", "known", "out"),
+    [(2.2, 0.05, ["mass"]), (-2.2, 0.05, ["mass"]), (2.2, 0.3, []), (1.9, 0.01, [])],
+)
+def test_all_of_its_interval_has_to_be_out_of_it(distance, known, out):
+    found = SimpleNamespace(
+        tolerated=("zero_force", "mass"),
+        shared={"mass": 2.0},
+        samples=1,
+        distance=np.array([9.0, distance]),
+        absorbed=np.array([[0.0], [0.1], [known]]),
+    )
+    assert out_of_tolerance(found) == out
