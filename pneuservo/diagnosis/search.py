@@ -146,7 +146,11 @@ class Search(Rivals):
             return
         self.progress("asking what was held back about what was found")
         for member in self.accepted[::-1]:
-            if held_back.refute(self._rest(member), self.chosen):
+            rest = self._rest(member)
+            if member.removeprefix("param.") in out_of_tolerance(rest):
+                # Without the name it is as wrong.
+                continue
+            if held_back.refute(rest, self.chosen):
                 self._drop(member, "what was held back is predicted worse with it")
 
     def profile(self) -> None:
