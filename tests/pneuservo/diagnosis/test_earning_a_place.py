@@ -109,6 +109,14 @@ def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over
     assert found == named
 
 
+@pytest.mark.parametrize(("group", "named"), [("leak", "first"), ("", "second")])
+def test_of_forms_of_the_same_physics_the_plainest_is_named(group, named):
+    effects = [SimpleNamespace(id=name, group=group, parameters=()) for name in ("first", "second")]
+    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), effects, lambda name, fit: 0.0)
+    tried = {"first": leaves(9.0, 2), "second": leaves(0.0, 2)}
+    assert judge.first_choice({"first": 9.0, "second": 0.0}, tried, tuple(tried)) == named
+
+
 @pytest.mark.parametrize(("apart", "named"), [(25.0, "first"), (80.0, "second")])
 def test_a_large_effect_is_not_named_by_less_than_the_simulation_is_good_for(apart, named):
     rest = leaves(5.5e6, 22)
