@@ -256,8 +256,18 @@ class Fit:
         if parameter not in self.tolerated:
             return 0.0
         row = self.samples + self.tolerated.index(parameter)
-        leverage = float(np.sum(self.absorbed[row] ** 2))
-        return float(left[row] ** 2) / max(1.0 - leverage, 1e-9)
+        return float(left[row] ** 2) / max(1.0 - self.leverage(parameter), 1e-9)
+
+    def leverage(self, parameter: str) -> float:
+        """Return the variance that is left to a parameter, as a share of its tolerance squared.
+
+        Parameters
+        ----------
+        parameter : str
+            Its id; one of those that are tolerated.
+        """
+        row = self.samples + self.tolerated.index(parameter)
+        return float(np.sum(self.absorbed[row] ** 2))
 
     @property
     def all_effective(self) -> float:

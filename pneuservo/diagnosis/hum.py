@@ -13,6 +13,10 @@ OFF_NOMINAL = 0.2
 HARMONICS = (1, 2, 3)
 LINE = 15.0
 """A line of so many times the power beside it is no noise: one in three million bins is."""
+SLOW = 3.0
+"""What is left of a command that repeats more slowly has lines beside those of the mains [Hz]."""
+REPEATED = 0.5
+"""Share of a command's energy that one frequency has where the command repeats itself."""
 _BESIDE = (0.5, 6.0)
 """Distance from a line within which the power beside it is taken [Hz]."""
 _LEAST_SEEN = 0.1
@@ -20,12 +24,6 @@ _LEAST_SEEN = 0.1
 _STEP = 0.01
 _HIGHEST = 0.45
 """Share of the sampling rate up to which lines are looked for."""
-
-
-SLOW = 3.0
-"""What is left of a command that repeats more slowly has lines beside those of the mains [Hz]."""
-REPEATED = 0.5
-"""Share of a command's energy that one frequency has where the command repeats itself."""
 
 
 def repeats(command: Array, interval: float) -> bool:

@@ -264,12 +264,9 @@ class ByGain:
         limit = min(evidence[name] for name in simplest) + margin
         # In the catalogue's order, in which the plainest form of the same physics is first.
         first = next(name for name in simplest if evidence[name] < limit)
-        return next(name for name in simplest if name == first or self._same_physics(name, first))
-
-    def _same_physics(self, name: str, other: str) -> bool:
-        """Return whether two effects are forms of the same physics."""
-        group = {effect.id: effect.group for effect in self.effects}
-        return bool(group.get(name)) and group.get(name) == group.get(other)
+        physics = {effect.id: effect.group or effect.id for effect in self.effects}
+        same = physics.get(first, first)
+        return next(name for name in simplest if physics.get(name, name) == same)
 
     def share(self, closer: Fit) -> float:
         """Return the share of all that is explained so far, or half of that in one channel.

@@ -122,10 +122,10 @@ class Search(Rivals):
             return
         while len(self.accepted) < MOST_EFFECTS:
             current = self.chosen
-            wrong = [f"param.{key}" for key in out_of_tolerance(current)]
-            name = next((name for name in wrong if name in self.candidates), "")
-            if not name or name in self.accepted:
+            wrong = out_of_tolerance(current)
+            if not wrong:
                 break
+            name = f"param.{wrong[0]}"
             free = self.ended(current.hypothesis.adding(name))
             if is_impossible(name, free):
                 break

@@ -29,8 +29,7 @@ def is_strained(base: Fit) -> bool:
     base : Fit
         Of the baseline.
     """
-    strained = np.abs(base.distance) > STRAINED
-    return any(base.tolerated[place] in base.shared for place in np.flatnonzero(strained))
+    return any(away > STRAINED for away in _from_nominal(base).values())
 
 
 def out_of_tolerance(found: Fit) -> list[str]:
@@ -46,13 +45,18 @@ def out_of_tolerance(found: Fit) -> list[str]:
     list of str
         Their ids, the farthest first.
     """
-    far = {}
-    for place, name in enumerate(found.tolerated):
-        if name in found.shared:
-            known = float(np.linalg.norm(found.absorbed[found.samples + place]))
-            far[name] = abs(float(found.distance[place])) - INTERVAL * known
-    out = [name for name, least in far.items() if least > OUT_OF_TOLERANCE]
-    return sorted(out, key=far.__getitem__, reverse=True)
+    least = {
+        name: away - INTERVAL * found.leverage(name) ** 0.5
+        for name, away in _from_nominal(found).items()
+    }
+    out = [name for name, away in least.items() if away > OUT_OF_TOLERANCE]
+    return sorted(out, key=least.__getitem__, reverse=True)
+
+
+def _from_nominal(found: Fit) -> dict[str, float]:
+    """Return how far the rig's tolerated parameters are from nominal, in tolerances."""
+    away = zip(found.tolerated, np.abs(found.distance).tolist(), strict=True)
+    return {name: distance for name, distance in away if name in found.shared}
 
 
 def promises_from_nominal(

@@ -44,8 +44,7 @@ def test_all_of_its_interval_has_to_be_out_of_it(distance, known, out):
     found = SimpleNamespace(
         tolerated=("zero_force", "mass"),
         shared={"mass": 2.0},
-        samples=1,
         distance=np.array([9.0, distance]),
-        absorbed=np.array([[0.0], [0.1], [known]]),
+        leverage=lambda name: known**2,
     )
     assert out_of_tolerance(found) == out

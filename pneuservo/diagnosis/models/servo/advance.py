@@ -161,11 +161,26 @@ def advance(
 def _fall_behind(within, risen_a, risen_b, step, servo):
     """Let transducers that lag follow pressures that have risen straight over a step."""
     lag = servo.effects.sensor.pressure_lag
-    if lag > 0.0:
-        kept = math.exp(-step / lag)
-        gathered = lag / step * (1.0 - kept)
-        within[BEHIND_A] = kept * within[BEHIND_A] + gathered * risen_a
-        within[BEHIND_B] = kept * within[BEHIND_B] + gathered * risen_b
+    share = followed(step, lag)
+    within[BEHIND_A] += share * (lag / step * risen_a - within[BEHIND_A])
+    within[BEHIND_B] += share * (lag / step * risen_b - within[BEHIND_B])
+
+
+@compiled
+def followed(interval, lag):
+    """Return the share of a step that a first-order lag has followed after some time [-].
+
+    Parameters
+    ----------
+    interval, lag : float
+        [s]; without a lag it follows at once.
+
+    Examples
+    --------
+    >>> round(followed(1e-3, 1e-3), 3), followed(1e-3, 0.0)
+    (0.632, 1.0)
+    """
+    return -math.expm1(-interval / lag) if lag > 0.0 else 1.0
 
 
 @compiled

@@ -9,6 +9,7 @@ from pneuservo.diagnosis.models.servo.advance import (
     BEHIND_B,
     WITHIN,
     advance,
+    followed,
     write_drive,
 )
 from pneuservo.diagnosis.models.servo.covariance import (
@@ -184,11 +185,10 @@ def observe(
     before, after = np.zeros(3), np.zeros(3)
     path[0, 0], path[1, 0], path[2, 0] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
     error, within = np.zeros(3), np.zeros(WITHIN)
-    if effects.sensor.pressure_lag > 0.0:
-        behind_a, behind_b = state[PRESSURE_A] - readings[0, 0], state[PRESSURE_B] - readings[1, 0]
-        # A reading that is missing is behind nothing.
-        within[BEHIND_A] = behind_a if math.isfinite(behind_a) else 0.0
-        within[BEHIND_B] = behind_b if math.isfinite(behind_b) else 0.0
+    behind_a, behind_b = state[PRESSURE_A] - readings[0, 0], state[PRESSURE_B] - readings[1, 0]
+    # A reading that is missing is behind nothing.
+    within[BEHIND_A] = behind_a if math.isfinite(behind_a) else 0.0
+    within[BEHIND_B] = behind_b if math.isfinite(behind_b) else 0.0
     for k in range(n - 1):
         interval = time[k + 1] - time[k]
         write_drive(drive, k, time, supply)
@@ -327,23 +327,6 @@ def observe(
             )
             state[PRESSURE_A], state[PRESSURE_B] = followed_a, followed_b
     return left, path, known, drawn, at_rest, decays
-
-
-@compiled
-def followed(interval, lag):
-    """Return the share of a step that a first-order lag has followed after some time [-].
-
-    Parameters
-    ----------
-    interval, lag : float
-        [s]; without a lag it follows at once.
-
-    Examples
-    --------
-    >>> round(followed(1e-3, 1e-3), 3), followed(1e-3, 0.0)
-    (0.632, 1.0)
-    """
-    return -math.expm1(-interval / lag) if lag > 0.0 else 1.0
 
 
 @compiled

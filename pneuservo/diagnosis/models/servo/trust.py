@@ -60,10 +60,8 @@ def may_only_seem_to_rest(fed: Feed, rig: Rig) -> bool:
 
     Parameters
     ----------
-    fed : Feed
-        Of a recording.
-    rig : Rig
-        The rig it was taken on.
+    fed, rig
+        As in `steadily`.
     """
     from scipy.ndimage import uniform_filter1d
 
@@ -81,10 +79,8 @@ def unsure_of_rest(fed: Feed, rig: Rig) -> Feed:
 
     Parameters
     ----------
-    fed : Feed
-        Of a recording.
-    rig : Rig
-        The rig it was taken on.
+    fed, rig
+        As in `steadily`.
     """
     samples = LOOKED_AT / fed.interval
     slope = math.sqrt(12.0 / samples) * fed.noise["displacement"] / LOOKED_AT
