@@ -10,6 +10,7 @@ from pneuservo.diagnosis.models.servo.command import (
     running_command,
     unseen,
 )
+from pneuservo.diagnosis.models.servo.set_point import at_once
 
 INTERVAL = 1e-3
 TIME = np.arange(0.0, 0.2, INTERVAL)
@@ -30,18 +31,18 @@ def test_a_swing_at_a_fifth_of_the_sampling_rate_keeps_its_size(phase):
 
     true = (np.cos(rate * TIME[:-1] + phase) - np.cos(rate * TIME[1:] + phase)) / (rate * INTERVAL)
     inside = slice(5, -5)
-    curved = (means(running_command(TIME, swings(TIME), FULL, None)) - true)[inside]
+    curved = (means(running_command(TIME, swings(TIME), FULL)) - true)[inside]
     straight = 0.5 * (swings(TIME[1:]) + swings(TIME[:-1]))[inside] - true[inside]
     assert np.std(curved) < 0.025 * np.std(true)
     assert np.std(straight) > 6.0 * np.std(curved)
     # What may be off covers what is off.
-    assert np.all(np.abs(curved) < unseen(swings(TIME), None)[:-1][inside] + 0.03)
+    assert np.all(np.abs(curved) < unseen(swings(TIME))[:-1][inside] + 0.03)
 
 
 def test_it_passes_through_its_samples_and_no_farther_than_the_driver():
     rng = np.random.default_rng(2)
     voltage = np.clip(rng.normal(0.0, 6.0, len(TIME)), -FULL, FULL)
-    found = running_command(TIME, voltage, FULL, None)
+    found = running_command(TIME, voltage, FULL)
     assert found[:, 0] == pytest.approx(voltage)
     assert found[:-1, -1] == pytest.approx(voltage[1:])
     assert np.abs(found).max() == FULL
@@ -51,8 +52,8 @@ def test_noise_between_samples_is_not_known_and_chatter_is_no_noise():
     rng = np.random.default_rng(4)
     # A loop that lets the noise of its transducer through, ten times as fast as it is sampled.
     finer = rng.normal(0.0, 0.01, (len(TIME), 10))
-    off = means(running_command(TIME, finer[:, 0], FULL, None)) - finer.mean(axis=1)[:-1]
-    assert 1.0 < unseen(finer[:, 0], None).mean() / np.std(off) < 2.0
+    off = means(running_command(TIME, finer[:, 0], FULL)) - finer.mean(axis=1)[:-1]
+    assert 1.0 < unseen(finer[:, 0]).mean() / np.std(off) < 2.0
     assert noise_of_command(FULL * np.sign(rng.normal(size=len(TIME)))) == 0.0
 
 
@@ -60,33 +61,19 @@ def test_it_jumps_with_the_set_point_and_stays_until_then():
     demand = np.where(TIME < 0.05 - 1e-9, 0.010, 0.015)
     voltage = 400.0 * (demand - 0.010) * np.exp(-(TIME - 0.05) / 0.03)
     jump = int(np.argmax(demand > 0.012))
-    known = running_command(TIME, voltage, FULL, demand)
+    told = at_once(voltage, demand, gain=0.0)
+    known = running_command(TIME, voltage, FULL, told)
     assert np.all(known[jump - 1] == voltage[jump - 1])
     assert known[jump, 0] == voltage[jump]
-    assert unseen(voltage, demand).max() < 0.01
+    assert unseen(voltage, told).max() < 0.01
     # Nobody else knows when in that interval it jumped.
-    assert unseen(voltage, None)[jump - 1] > 0.5 * voltage[jump]
-
-
-def test_a_set_point_that_moves_all_the_time_jumps_nowhere():
-    demand = 0.015 + 0.005 * np.sin(20.0 * TIME)
-    voltage = np.cos(30.0 * TIME)
-    with_it, without = (running_command(TIME, voltage, FULL, d) for d in (demand, None))
-    assert np.array_equal(with_it, without)
-
-
-def test_the_steps_of_a_converter_are_no_jumps():
-    true = 0.015 + 0.005 * np.sin(2.0 * TIME)
-    coarse = np.round(true / 7.3e-6) * 7.3e-6
-    voltage = np.cos(30.0 * TIME)
-    with_it, without = (running_command(TIME, voltage, FULL, d) for d in (coarse, None))
-    assert np.array_equal(with_it, without)
+    assert unseen(voltage)[jump - 1] > 0.5 * voltage[jump]
 
 
 def test_over_a_gap_it_runs_straight():
     time = np.concatenate([TIME[:50], TIME[150:]])
     voltage = 0.5 * np.sin(2.0 * np.pi * 40.0 * time)
-    found = running_command(time, voltage, FULL, None)
+    found = running_command(time, voltage, FULL)
     assert found[49] == pytest.approx(np.linspace(voltage[49], voltage[50], found.shape[1]))
     assert np.abs(found).max() < 0.51
 
@@ -103,5 +90,5 @@ def test_a_spool_goes_on_with_what_was_unknown_until_it_has_settled():
 
 def test_finer_samples_are_joined_by_straight_lines():
     fine = np.arange(0.0, 0.01, 1e-4)
-    assert running_command(fine, fine, FULL, None).shape == (len(fine), 2)
+    assert running_command(fine, fine, FULL).shape == (len(fine), 2)
     assert held_command(fine)[3].tolist() == [fine[3], fine[3]]

@@ -79,7 +79,7 @@ def test_a_step_arrives_when_its_delay_has_passed(delay):
 def test_a_delayed_ramp_is_a_ramp_that_began_later():
     delay, slope = 1.3e-3, 100.0
     voltage = slope * TIME
-    running = running_command(TIME, voltage, VALVE.full_voltage, None)
+    running = running_command(TIME, voltage, VALVE.full_voltage)
     found = openings(SpoolEffects(delay=delay), running)
     lag = 2.0 * VALVE.spool_damping / VALVE.spool_frequency
     settled = TIME > 0.012

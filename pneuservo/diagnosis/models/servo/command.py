@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.models.servo.set_point import AtOnce, beside
 
 FINEST_PART = 250e-6
 """A command that runs on is followed in straight parts of about this length [s]."""
@@ -22,8 +23,6 @@ _FINER = 10
 """Parts of an interval in which a spool's reply is worked out."""
 _GAP = 3.0
 """A curve does not go on over a gap of so many intervals."""
-_LEAST_JUMP = 0.01
-"""Share of all that a set point moves by that a jump of it has: converters have steps."""
 _CALM_SAMPLES = 51
 """Samples over which the noise of a command is looked for."""
 _CHATTER = 0.1
@@ -63,7 +62,7 @@ def held_command(voltage: Array) -> Array:
     return np.column_stack([voltage, voltage])
 
 
-def running_command(time: Array, voltage: Array, limit: float, demand: Array | None) -> Array:
+def running_command(time: Array, voltage: Array, limit: float, told: AtOnce | None = None) -> Array:
     """Return a command that runs on smoothly between its samples.
 
     Parameters
@@ -72,9 +71,9 @@ def running_command(time: Array, voltage: Array, limit: float, demand: Array | N
         As sampled [s], [V].
     limit : float
         Beyond this the valve's driver does not go [V].
-    demand : (n,) array or None
-        Set point of the loop, where it was recorded: when it jumps, so does the command, and until
-        then it stays as it was [m].
+    told : AtOnce, optional
+        What the set point of the loop changes of it at once, where that was recorded, at the end of
+        each interval; where nobody knows how much, it stays as it was until then.
 
     Returns
     -------
@@ -90,11 +89,11 @@ def running_command(time: Array, voltage: Array, limit: float, demand: Array | N
     Examples
     --------
     >>> t = np.arange(5) * 1e-3
-    >>> running_command(t, 1e3 * t, 5.0, None)[1].tolist()
+    >>> running_command(t, 1e3 * t, 5.0)[1].tolist()
     [1.0, 1.25, 1.5, 1.75, 2.0]
-    >>> step = np.where(t < 1.5e-3, 0.0, 1.0)
-    >>> running_command(t, 4.0 * step, 5.0, step)[:3].tolist()
-    [[0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0], [4.0, 4.0, 4.0, 4.0, 4.0]]
+    >>> jumps = AtOnce(np.where(t < 1.5e-3, 0.0, 4.0), np.zeros(4, dtype=bool))
+    >>> running_command(t, 1e2 * t + jumps.added, 5.0, jumps)[1:3].round(3).tolist()
+    [[0.1, 0.125, 0.15, 0.175, 0.2], [4.2, 4.225, 4.25, 4.275, 4.3]]
     """
     steps = np.diff(time)
     interval = float(np.median(steps))
@@ -102,20 +101,22 @@ def running_command(time: Array, voltage: Array, limit: float, demand: Array | N
     found = np.repeat(voltage[:, np.newaxis], parts + 1, axis=1)
     gaps = steps > _GAP * interval
     found[:-1][gaps] = np.linspace(voltage[:-1][gaps], voltage[1:][gaps], parts + 1, axis=1)
-    ends = np.flatnonzero(gaps if demand is None else gaps | jumping(demand)) + 1
+    sudden = np.zeros_like(voltage) if told is None else told.added
+    ends = np.flatnonzero(gaps if told is None else gaps | told.unknown) + 1
     for first, end in zip([0, *ends], [*ends, len(time)], strict=True):
         if end - first >= _FEWEST:
             within = slice(first, end)
-            found[first : end - 1] = _curve(time[within], voltage[within], parts)
+            smooth = _curve(time[within], (voltage - sudden)[within], parts)
+            found[first : end - 1] = smooth + sudden[first : end - 1, np.newaxis]
     return np.clip(found, -limit, limit)
 
 
-def unseen(voltage: Array, demand: Array | None) -> Array:
+def unseen(voltage: Array, told: AtOnce | None = None) -> Array:
     """Return by how much a command that runs on may be off between two samples [V].
 
     Parameters
     ----------
-    voltage, demand
+    voltage, told
         As in `running_command`.
 
     Returns
@@ -130,19 +131,20 @@ def unseen(voltage: Array, demand: Array | None) -> Array:
 
     Examples
     --------
-    >>> unseen(np.array([0.0, 0.0, 0.0, 4.0, 4.0, 4.0]), None).round(2).tolist()
+    >>> unseen(np.array([0.0, 0.0, 0.0, 4.0, 4.0, 4.0])).round(2).tolist()
     [0.0, 0.2, 2.6, 0.2, 0.0, 0.0]
-    >>> unseen(np.arange(6.0) ** 2, None).round(2).tolist()
+    >>> unseen(np.arange(6.0) ** 2).round(2).tolist()
     [0.1, 0.1, 0.1, 0.1, 0.1, 0.1]
     """
-    change = np.diff(voltage)
-    if demand is not None:
-        change = np.where(jumping(demand), 0.0, change)
+    smooth = voltage if told is None else voltage - told.added
+    change = np.diff(smooth)
+    if told is not None:
+        change = np.where(told.unknown, 0.0, change)
     moves = np.abs(change)
-    jump = np.maximum(moves - _OF_A_JUMP * _beside(moves), 0.0)
+    jump = np.maximum(moves - _OF_A_JUMP * beside(moves), 0.0)
     curve = np.abs(np.diff(change, prepend=change[0], append=change[-1]))
     bend = np.maximum(curve[:-1], curve[1:])
-    off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(voltage))
+    off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(smooth))
     return np.append(off, off[-1:])
 
 
@@ -286,24 +288,6 @@ def followed_by_spool(
     ends = pulse[::_FINER]
     mean, at_samples = (np.convolve(off, part)[: len(off)] for part in (means, ends))
     return mean, at_samples
-
-
-def jumping(demand: Array) -> NDArray[np.bool_]:
-    """Return in which intervals a set point jumps: it moves there and in neither neighbour.
-
-    Parameters
-    ----------
-    demand : (n,) array
-        [m].
-    """
-    moves = np.abs(np.diff(demand))
-    least = _LEAST_JUMP * float(np.nanmax(demand) - np.nanmin(demand))
-    return np.asarray((moves > 10.0 * _beside(moves)) & (moves > least))
-
-
-def _beside(moves: Array) -> Array:
-    """Return the larger of both neighbours of each."""
-    return np.maximum(np.append(0.0, moves[:-1]), np.append(moves[1:], 0.0))
 
 
 def _curve(time: Array, voltage: Array, parts: int) -> Array:

@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.command import (
-    held_command,
-    running_command,
-    unseen,
-)
+from pneuservo.diagnosis.models.servo.command import running_command, unseen
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.rests import averaged_samples, chatters
+from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
 from pneuservo.diagnosis.models.servo.spread import (
     MOTION_MEMORY,
     shares_of_spool,
@@ -71,6 +68,12 @@ class Feed:
         The voltage between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
     unseen : (n,) array
         By how much the mean of that may be off in each interval [V].
+    set_point : (n,) array
+        Of the loop; empty where it was not recorded [m].
+    gain_of_set_point : float
+        What a linear loop adds to the command per metre of it; 0 where it does not tell [V/m].
+    in_steps : bool
+        Whether the set point stays as it is from sample to sample.
     reading : (n,) array
         Displacement as measured; NaN where there is none [m].
     motion : (3, n) array
@@ -130,6 +133,8 @@ class Feed:
     voltage: Array
     command: Array
     unseen: Array
+    set_point: Array
+    gain_of_set_point: float
     reading: Array
     motion: Array
     pressures: Array
@@ -152,6 +157,7 @@ class Feed:
     chatter: float = 0.0
     motion_memory: float = MOTION_MEMORY
     unsteadiness: float = 1.0
+    in_steps: bool = False
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     spool_shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
@@ -202,7 +208,11 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         if channel in recording
     }
     voltage = _closed(recording["valve_voltage"], time)
-    demand = recording.channels.get("demand")
+    set_point, gain, told = np.empty(0), 0.0, None
+    if "demand" in recording:
+        set_point = _closed(recording["demand"], time)
+        gain = gain_of_set_point(time, voltage, set_point, _closed(recording["displacement"], time))
+        told = at_once(voltage, set_point, gain)
     force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
     pressures = _pressures(recording, rig, float(force[0]))
     loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
@@ -210,8 +220,10 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     fed = Feed(
         time=time,
         voltage=voltage,
-        command=running_command(time, voltage, rig["valve.full_voltage"], demand),
-        unseen=unseen(voltage, demand),
+        command=running_command(time, voltage, rig["valve.full_voltage"], told),
+        unseen=unseen(voltage, told),
+        set_point=set_point,
+        gain_of_set_point=gain,
         reading=recording["displacement"],
         motion=np.zeros((3, len(time))),
         pressures=pressures,
@@ -392,19 +404,3 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     stuck = np.zeros_like(fed.stuck)
     freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck, done=Recent())
     return with_spread(freed, rig)
-
-
-def with_held_command(fed: Feed, rig: Rig) -> Feed:
-    """Return the feed with a command that is held from sample to sample.
-
-    Parameters
-    ----------
-    fed : Feed
-        With a command that runs on between samples.
-    rig : Rig
-        The rig it was taken on.
-    """
-    held = replace(
-        fed, command=held_command(fed.voltage), unseen=np.zeros_like(fed.time), done=Recent()
-    )
-    return with_spread(held, rig)

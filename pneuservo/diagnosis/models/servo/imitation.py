@@ -7,7 +7,8 @@ import numpy as np
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.recent import Recent
-from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, held_command
+from pneuservo.diagnosis.models.servo.between_samples import read_alike
+from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed, feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
@@ -82,7 +83,7 @@ def imitated(
     return replace(
         fed,
         voltage=copy.voltage,
-        command=copy.command if fed.ramped else held_command(copy.voltage),
+        command=read_alike(fed, copy.voltage, rig),
         reading=copy.reading,
         motion=motion,
         pressures=copy.pressures,

@@ -18,6 +18,12 @@ from pneuservo.diagnosis.models.model import (
     Unknown,
     Values,
 )
+from pneuservo.diagnosis.models.servo.between_samples import (
+    tells_set_point,
+    with_held_command,
+    with_running_command,
+    with_set_point_in_steps,
+)
 from pneuservo.diagnosis.models.servo.command import is_relay
 from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
 from pneuservo.diagnosis.models.servo.feed import (
@@ -29,7 +35,6 @@ from pneuservo.diagnosis.models.servo.feed import (
     Feed,
     feed,
     held_at_stops,
-    with_held_command,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
 from pneuservo.diagnosis.models.servo.likelihood import (
@@ -63,6 +68,9 @@ from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
+
+AsGiven = Callable[[Feed, Rig], Feed]
+"""One way to read or to follow a recording."""
 
 _JUDGED = (
     ("displacement", "m"),
@@ -139,10 +147,10 @@ class ServoModel(Model):
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
-        return self._read(recording, rig, ramped=True)
+        return self._read(recording, rig, with_running_command)
 
-    def _read(self, recorded: Recording, rig: Rig, ramped: bool) -> list[Case]:
-        recording, fed = _without_hum(recorded, rig, ramped)
+    def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven) -> list[Case]:
+        recording, fed = _without_hum(recorded, rig, as_given)
         if "stick-mask" in self.without:
             fed = with_gains(held_at_stops(fed, rig), rig)
         found: list[Case] = []
@@ -195,19 +203,35 @@ class ServoModel(Model):
     def readings(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with a command that runs on and with one that is held.
 
-        A controller that samples holds its command; an analogue one, or a recorder, does not.
+        A controller that samples holds its command; an analogue one, or a recorder, does not. One
+        whose set point comes from a converter jumps with that, and runs on in between.
         """
-        # Read in the wrong way a relay leaves lines that pass for hum: it is looked for in each.
-        held: list[Case] = []
+        ways = [list(cases), self._otherwise(cases, with_held_command)]
+        if any(tells_set_point(case.inputs["feed"]) for case in cases):
+            ways.append(self._otherwise(cases, with_set_point_in_steps, tells_set_point))
+        return compared(ways)
+
+    def _otherwise(
+        self,
+        cases: Sequence[Case],
+        as_given: AsGiven,
+        where: Callable[[Feed], bool] = lambda fed: True,
+    ) -> list[Case]:
+        """Return the cases read in another way; those of which nothing could be judged as before.
+
+        Read in the wrong way a relay leaves lines that pass for hum: it is looked for in each.
+        """
+        found: list[Case] = []
         for case in cases:
             if not case.inputs["leads"]:
                 continue
+            as_before = [other for other in cases if other.origin is case.origin]
             try:
-                held += self._read(case.origin, case.rig, ramped=False)
+                asked = where(case.inputs["feed"])
+                found += self._read(case.origin, case.rig, as_given) if asked else as_before
             except InputError:
-                # Nothing of it could be judged then: it stays as it is.
-                held += [other for other in cases if other.origin is case.origin]
-        return compared([list(cases), held])
+                found += as_before
+        return found
 
     def stored(self, case: Case) -> bool:
         """Return whether the command stands still but for jumps and is not that of a relay."""
@@ -327,12 +351,12 @@ class ServoModel(Model):
         return regimes_of(case.inputs["feed"], case.rig)
 
 
-def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recording, Feed]:
+def _without_hum(recording: Recording, rig: Rig, as_given: AsGiven) -> tuple[Recording, Feed]:
     """Return a recording without mains hum, and its feed.
 
     Innovations show a line as it is read; what is taken out shows what the motion had taken up.
     """
-    fed = _fed(recording, rig, ramped)
+    fed = _fed(recording, rig, as_given)
     if repeats(fed.voltage, fed.interval):
         return recording, fed
     for _ in range(_HUM_PASSES):
@@ -354,16 +378,15 @@ def _without_hum(recording: Recording, rig: Rig, ramped: bool) -> tuple[Recordin
             if name in channels:
                 channels[name] = channels[name] - scale * waves
         recording = replace(recording, channels=channels)
-        fed = _fed(recording, rig, ramped)
+        fed = _fed(recording, rig, as_given)
     return recording, fed
 
 
-def _fed(recording: Recording, rig: Rig, ramped: bool) -> Feed:
-    fed = feed(recording, rig)
-    return with_observer(fed if ramped else with_held_command(fed, rig), rig)
+def _fed(recording: Recording, rig: Rig, as_given: AsGiven) -> Feed:
+    return with_observer(as_given(feed(recording, rig), rig), rig)
 
 
-def _followed(cases: Sequence[Case], as_given: Callable[[Feed, Rig], Feed]) -> list[Case]:
+def _followed(cases: Sequence[Case], as_given: AsGiven) -> list[Case]:
     """Return cases whose observers are given another feed, or the same where it is no other."""
     feeds: dict[int, Feed] = {}
     found = []
