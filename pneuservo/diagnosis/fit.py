@@ -40,6 +40,8 @@ class Fit:
         What the samples of each channel are worth after serial correlation.
     finest : mapping of str to float
         Residual below which the fit of a channel is perfect [unit of its cases].
+    known : frozenset of str
+        Channels whose spread is known: what they leave is no measure of it.
     unknowns : int
         How many numbers were fitted.
     penalty : float
@@ -56,6 +58,7 @@ class Fit:
     samples: int
     effective: Mapping[str, float]
     finest: Mapping[str, float]
+    known: frozenset[str]
     unknowns: int
     penalty: float
     scale: Mapping[str, float]
@@ -281,8 +284,7 @@ class Fit:
 
     def rms_of(self, channel: str) -> float:
         """Return the root mean square of what one channel leaves [unit of its cases]."""
-        parts = [r for r, c in zip(self.residuals, self.channels, strict=True) if c == channel]
-        return max(rms(parts), self.finest[channel])
+        return max(self._spread_of(channel), self.finest[channel])
 
     def evidence(self, effective: Mapping[str, float]) -> float:
         """Return the Bayesian information criterion: lower is better, 10 is decisive.
@@ -292,10 +294,21 @@ class Fit:
         effective : mapping of str to float
             What the samples of each channel are worth; the same for all that are compared.
         """
-        misfit = sum(
-            worth * float(np.log(self.rms_of(channel) ** 2)) for channel, worth in effective.items()
-        )
+        misfit = sum(worth * self._misfit_of(channel) for channel, worth in effective.items())
         return misfit + self.unknowns * float(np.log(sum(effective.values()))) + self.penalty
+
+    def _misfit_of(self, channel: str) -> float:
+        """Return twice the negative log-likelihood of one independent sample, but for a constant.
+
+        The spread is what the channel leaves; where it is known that would make little of a few
+        samples that are far off.
+        """
+        if channel in self.known:
+            return (self._spread_of(channel) / self.finest[channel]) ** 2
+        return float(np.log(self.rms_of(channel) ** 2))
+
+    def _spread_of(self, channel: str) -> float:
+        return rms([r for r, c in zip(self.residuals, self.channels, strict=True) if c == channel])
 
 
 def orthonormal(columns: Array) -> Array:

@@ -309,6 +309,7 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
         len(everything),
         effective,
         finest,
+        frozenset(case.channel for case in problem.cases if not case.recorded),
         len(problem.unknowns),
         float(np.sum(problem.distance(vector) ** 2)),
         problem.scale or dict.fromkeys(effective, 1.0),

@@ -1,7 +1,7 @@
 """How recordings are to be read and followed: where they do not say, what fits better is taken."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from pneuservo.diagnosis.fit import Fit, gained_most
@@ -19,6 +19,10 @@ _LATE_WORTH_FITTING = 2
 """So many effects that are late, those that promise most, are fitted to a way of reading."""
 _MOST_FORGIVEN = 4.0
 """So many times the least of what the ways of reading leave all over, squared, decides nothing."""
+
+
+_NOT_HOPELESS = 1.25
+"""A recording that is so many times as unlikely in another way is not turned to it alone."""
 
 
 @dataclass(frozen=True)
@@ -67,18 +71,61 @@ def ranked_readings(
     progress("fitting the baseline to each way in which the recordings may be read")
     ways = list(readings)
     fits = _fitted_in_turn(model, ways, None)
+    for turned in _mixtures(model, ways, fits):
+        nearest = fits[_likeliest(_unlikely(model, ways, _values(ways, fits)))]
+        ways.append(turned)
+        fits.append(refitted(model, turned, nearest))
     unlikely = _unlikely(model, ways, _values(ways, fits))
-    mixed = _likeliest_of_each(ways, unlikely)
-    if not any(_are_the_same(mixed, way) for way in ways):
-        best = min(range(len(ways)), key=lambda n: sum(unlikely[n].values()))
-        ways.append(mixed)
-        fits.append(refitted(model, mixed, fits[best]))
-        unlikely = _unlikely(model, ways, _values(ways, fits))
-    found = [
-        Reading(way, baseline, sum(each.values()))
-        for way, baseline, each in zip(ways, fits, unlikely, strict=True)
-    ]
+    # Of mixtures only the likeliest is worth coming back to.
+    best = _likeliest(unlikely)
+    kept = [n for n in range(len(ways)) if n < len(readings) or n == best]
+    found = [Reading(ways[n], fits[n], sum(unlikely[n].values())) for n in kept]
     return sorted(found, key=lambda reading: reading.unlikely)
+
+
+def _mixtures(model: Model, ways: list[Cases], fits: list[Fit]) -> Iterator[Cases]:
+    """Yield mixtures of some ways to read recordings that may be likelier than any so far.
+
+    Each recording in its likeliest way first; then the likeliest of all, one recording turned at a
+    time: beside a relay that was read wrongly a proportional loop seemed likelier read wrongly too.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    ways, fits : list
+        What has been tried, the mixtures that were yielded among it.
+    """
+    pure = len(ways)
+    unlikely = _unlikely(model, ways, _values(ways, fits))
+    tried = [*ways]
+    mixed = _likeliest_of_each(ways, unlikely)
+    if not any(_are_the_same(mixed, way) for way in tried):
+        tried.append(mixed)
+        yield mixed
+    for recording in unlikely[0]:
+        for n in range(pure):
+            unlikely = _unlikely(model, ways, _values(ways, fits))
+            best = _likeliest(unlikely)
+            turned = _turned(ways[best], ways[n], recording)
+            if any(_are_the_same(turned, way) for way in tried):
+                continue
+            if unlikely[n][recording] < _NOT_HOPELESS * unlikely[best][recording]:
+                tried.append(turned)
+                yield turned
+
+
+def _likeliest(unlikely: Sequence[Mapping[int, float]]) -> int:
+    """Return which of some ways is the likeliest."""
+    return min(range(len(unlikely)), key=lambda n: sum(unlikely[n].values()))
+
+
+def _turned(cases: Cases, other: Cases, recording: int) -> list[Case]:
+    """Return cases with one recording's in another way."""
+    mine = [case for case in other if id(case.origin) == recording]
+    first = next(i for i, case in enumerate(cases) if id(case.origin) == recording)
+    rest = [case for case in cases if id(case.origin) != recording]
+    return [*rest[:first], *mine, *rest[first:]]
 
 
 def likelier_if_late(
