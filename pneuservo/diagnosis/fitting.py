@@ -143,7 +143,8 @@ def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit 
         if passed or near is not None:
             # By now the vector is near the solution: no sensitivity has to be worked out again.
             known = problem.solved(vector)
-        if near is not None and steady and _hopeless(problem, vector, near):
+        freer = near is not None and near.hypothesis.is_part_of(hypothesis)
+        if near is not None and freer and steady and _hopeless(problem, vector, near):
             break
     return vector
 

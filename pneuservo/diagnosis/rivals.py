@@ -98,6 +98,17 @@ class Rivals(Accepted):
             place = self.accepted.index(member)
             self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
             self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+        self._drop_needless_last()
+
+    def _drop_needless_last(self) -> None:
+        """Drop what was accepted last where the others do as well, begun from where it led them."""
+        if not self.model.steady or len(self.accepted) < 2:
+            return
+        last, closer = self.accepted[-1], self.chosen
+        rest = self._rest(last)
+        drop = rest.evidence(closer.effective) - closer.evidence(closer.effective)
+        if not self._judge(rest).earns(last, closer, drop):
+            self._drop(last, "the others explain as much without it")
 
     def _better_than(self, member: str) -> Rival | None:
         """Return what is clearly better in the place of a member, if anything."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from pneuservo.diagnosis.fit import explained
+from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE, LARGE_SHARE_OF_REST, is_impossible
@@ -12,7 +12,7 @@ from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count
-from pneuservo.diagnosis.strained import out_of_tolerance
+from pneuservo.diagnosis.strained import leaves_noise, out_of_tolerance
 
 MOST_EFFECTS = 3
 
@@ -78,15 +78,13 @@ class Search(Rivals):
 
     def _add(self, most: int) -> None:
         """Add the best candidate until none earns its place, or so many have."""
-        seen: set[frozenset[str]] = set()
+        seen: dict[frozenset[str], Fit] = {}
         # What is revised may come back to where it was: then it would go round for ever.
-        while (
-            len(self.accepted) < most
-            and frozenset(self.accepted) not in seen
-            and self._worth_going_on
-        ):
-            seen.add(frozenset(self.accepted))
-            self.ended(self._with(self.accepted))
+        while len(self.accepted) < most and self._worth_going_on:
+            members = frozenset(self.accepted)
+            if seen.get(members) is self.ended(self._with(self.accepted)):
+                break
+            seen[members] = self.chosen
             best = self._best_addition()
             if best is not None:
                 self.accepted.append(best)
@@ -118,7 +116,7 @@ class Search(Rivals):
 
         They cost little to explain recordings with, so that setting them free hardly explains more.
         """
-        if self.accepted or not self.model.steady:
+        if self.accepted or not self.model.steady or not leaves_noise(self.cases, self.chosen):
             return
         while len(self.accepted) < MOST_EFFECTS:
             current = self.chosen

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit
+from pneuservo.diagnosis.fit import INTERVAL, Fit, rms
 from pneuservo.diagnosis.fitting import at_nominal
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.screen import LEAST_PROMISE, scores
@@ -17,6 +17,10 @@ OUT_OF_TOLERANCE = 2.0
 29 pairs of recordings of two other simulators with parameters within 1.4 tolerances the farthest
 was fitted at 1.6, of 24 with one that was 1.4 to 7.8 tolerances off every one that shows (d' of 10
 and more) within 0.3 of where it was."""
+LEAVES_NOISE = 1.15
+"""Times its noise, which is known to a tenth, that a channel of a recording is left at where
+nothing else is wrong. (Of a relay at 180 Hz that was sampled at 500 Hz nobody knows what its
+command was: left at 1.45, three right parameters were called wrong.)"""
 WORTH_FITTING = 3
 """So many candidates are fitted for what they promise from nominal parameters."""
 
@@ -51,6 +55,20 @@ def out_of_tolerance(found: Fit) -> list[str]:
     }
     out = [name for name, away in least.items() if away > OUT_OF_TOLERANCE]
     return sorted(out, key=least.__getitem__, reverse=True)
+
+
+def leaves_noise(cases: Sequence[Case], found: Fit) -> bool:
+    """Return whether what is left of every channel of every recording is of the size of noise.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        In units of their noise.
+    found : Fit
+        To them.
+    """
+    left = zip(cases, found.residuals, strict=True)
+    return all(rms([residual]) < LEAVES_NOISE for case, residual in left if case.recorded)
 
 
 def _from_nominal(found: Fit) -> dict[str, float]:

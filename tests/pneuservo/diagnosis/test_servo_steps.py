@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from servo_recordings import NOISE, recorded
 
-from pneuservo.controllers import DigitalSlidingMode, Proportional
+from pneuservo.controllers import DigitalSlidingMode, Proportional, SlidingMode
+from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.between_samples import with_held_command
 from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feed import feed
@@ -51,15 +52,26 @@ def test_innovations_are_those_of_much_finer_steps(fed, rig, values):
     assert np.all(apart < 3.0)
 
 
+@pytest.mark.parametrize("values", [{}, {"valve.overlap:lap": 0.01}], ids=str)
+def test_a_command_that_runs_on_is_followed_in_long_steps(rig, values):
+    running = with_observer(feed(recorded(rig, SlidingMode(), 3), rig), rig)
+    assert running.steps.mean() < 1.1
+    found = run_observer(running, values, rig)[:3]
+    exact = run_observer(
+        replace(running, steps=dividing(running.time, EXACT), done=Recent()), values, rig
+    )[:3]
+    assert np.all(np.sum(((found - exact) / SIZES[:, None]) ** 2, axis=1) < 1.0)
+
+
 def test_steps_are_fine_where_pressures_decay_fast():
     time = np.arange(5) * 1e-3
     decays = np.array([0.1, 0.5, 0.9, 5.0, 0.0])
-    assert steps_along(time, np.zeros(5), 5.0, decays).tolist() == [1, 2, 3, 4, 1]
+    assert steps_along(time, np.zeros((5, 2)), 5.0, decays).tolist() == [1, 2, 3, 4, 1]
 
 
 def test_a_recording_that_is_slow_is_carried_on_finely_after_a_jump():
     time = np.arange(5) * 1e-2
-    voltage = np.where(time < 1.5e-2, 0.0, 5.0)
+    voltage = np.where(time < 1.5e-2, 0.0, 5.0)[:, np.newaxis] * np.ones(2)
     assert steps_along(time, voltage, 5.0, np.zeros(5)).tolist() == [10, 40, 40, 10, 10]
 
 

@@ -64,5 +64,5 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
         The baseline.
     """
     gains, shares, _, _, decays = learn_to_observe(fed, rig)
-    steps = steps_along(fed.time, fed.voltage, rig["valve.full_voltage"], decays)
+    steps = steps_along(fed.time, fed.command, rig["valve.full_voltage"], decays)
     return replace(fed, gains=gains, shares=shares, steps=steps, done=Recent())

@@ -11,7 +11,9 @@ from pneuservo.plant.servo.spool_effects import spool_rates, travel_end
 from pneuservo.plant.single_axis import SPOOL, SPOOL_RATE
 
 STEP = 125e-6
-"""Longest step of a spool that replies linearly: a tenth of its time constant [s]."""
+"""Longest step of a spool that replies linearly: a tenth of its time constant [s] ..."""
+STEP_ON_A_SLOPE = 250e-6
+"""... and where its command runs on, and does not leave it behind as one that jumps does [s]."""
 FINE_STEP = 25e-6
 """Longest step where limits and stiction switch on and off, and near the end of the travel [s]."""
 _NEAR_END = 0.03
@@ -102,9 +104,11 @@ def move_spool(state, memory, time, command, latest, since, until, share, servo)
     while now < until - _SAME_MOMENT:
         voltage, rising, goes_on = arriving(time, command, latest, now - effects.delay)
         end = min(until, goes_on + effects.delay)
-        reach = abs(state[SPOOL]) + STEP * abs(state[SPOOL_RATE]) + _NEAR_END
-        fine = switching > 0.0 or reach > travel_end(state[SPOOL], effects)
-        steps = max(1, math.ceil((end - now) / (FINE_STEP if fine else STEP) - 1e-6))
+        longest = STEP if rising == 0.0 else STEP_ON_A_SLOPE
+        reach = abs(state[SPOOL]) + longest * abs(state[SPOOL_RATE]) + _NEAR_END
+        if switching > 0.0 or reach > travel_end(state[SPOOL], effects):
+            longest = FINE_STEP
+        steps = max(1, math.ceil((end - now) / longest - 1e-6))
         step = (end - now) / steps
         for _ in range(steps):
             place = state[SPOOL]

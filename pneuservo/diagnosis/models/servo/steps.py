@@ -16,7 +16,8 @@ Steps = NDArray[np.int64]
 # values would make innovations jump by as much when a parameter is moved a little.
 _LONGEST = 1e-3
 _JUMP = 0.05
-"""What a command that jumps moves by in one interval, as a share of the full voltage [-] ..."""
+"""What a command that jumps moves by between two intervals, as a share of the full voltage [-] (one
+that runs on is followed by one step of a millisecond, to 0.5 in the sum of squares) ..."""
 _ARRIVED = 10e-3
 """... and after how long the spool has followed it, the longest delay included [s]."""
 _STIFFEST = 0.3
@@ -67,13 +68,15 @@ def dividing(time: Array, longest: float) -> Steps:
     return np.maximum(steps, 1).astype(np.int64)
 
 
-def steps_along(time: Array, voltage: Array, full_voltage: float, decays: Array) -> Steps:
+def steps_along(time: Array, command: Array, full_voltage: float, decays: Array) -> Steps:
     """Return the number of steps of each interval of a recording.
 
     Parameters
     ----------
-    time, voltage : (n,) array
-        [s], [V].
+    time : (n,) array
+        [s].
+    command : (n, m + 1) array
+        Between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
     full_voltage : float
         Command that opens the valve fully [V].
     decays : (n,) array
@@ -82,13 +85,18 @@ def steps_along(time: Array, voltage: Array, full_voltage: float, decays: Array)
     Examples
     --------
     >>> time = np.arange(12) * 1e-3
-    >>> steps_along(time, np.where(time < 2e-3, 0.0, 5.0), 10.0, np.zeros(12)).tolist()
+    >>> voltage = np.where(time < 2e-3, 0.0, 5.0)
+    >>> held = np.column_stack([voltage, voltage])
+    >>> steps_along(time, held, 10.0, np.zeros(12)).tolist()
     [1, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4]
+    >>> runs_on = np.column_stack([voltage, np.append(voltage[1:], 5.0)])
+    >>> steps_along(time, runs_on, 10.0, np.zeros(12)).tolist()
+    [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
     """
     from scipy.ndimage import maximum_filter1d
 
     interval = float(np.median(np.diff(time)))
-    jumps = np.abs(np.diff(voltage, append=voltage[-1])) > _JUMP * full_voltage
+    jumps = np.abs(np.append(command[1:, 0] - command[:-1, -1], 0.0)) > _JUMP * full_voltage
     followed = math.ceil(_ARRIVED / interval - 1e-9)
     # The window ends at each interval and looks back.
     beside = maximum_filter1d(jumps, followed + 1, mode="constant", origin=followed // 2)
