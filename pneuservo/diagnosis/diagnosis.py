@@ -224,8 +224,10 @@ def diagnose(
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             progress("predicting what was held back")
-            kept_out = kept_out.read_with(repaired)
-            before, after = (kept_out.predicted(f) for f in (search.baseline, repaired))
+            table = None if unexplained is None else unexplained.table
+            kept_out = kept_out.read_with(repaired, table)
+            before = kept_out.predicted(search.baseline)
+            after = kept_out.predicted(repaired, table)
     return Diagnosis(chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit)
 
 
@@ -253,7 +255,7 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
     if found is not None:
         beside = search.baseline if found.instead else search.chosen
         # Whatever a table explains: it can follow what no law would.
-        if held_back.are_predicted_worse(beside, found.fit):
+        if held_back.are_predicted_worse(beside, found.fit, table=found.table):
             found = None
     if found is not None and (misfit is None or found.gain > misfit.energy):
         if found.instead:

@@ -10,6 +10,7 @@ from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.guilty_blocks import block_of, located
 from pneuservo.diagnosis.judge import UNDECIDED
 from pneuservo.diagnosis.models import Case
+from pneuservo.diagnosis.models.model import Table
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.sessions import between_sessions, session_of
@@ -243,7 +244,7 @@ def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
         "block": found.table.block,
         "statement": (
             f"Nothing in the catalogue explains what is left. Its shape: {found.shape}. "
-            "The repaired model holds it as a table."
+            f"The repaired model holds it as a table{_whose(found.table)}."
         ),
         "equation": f"{found.table.effect} = table({found.table.quantity})",
         "parameters": found.parameters,
@@ -251,6 +252,11 @@ def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
         "class": ["unexplained"],
         "alternatives": [],
     }
+
+
+def _whose(table: Table) -> str:
+    """Return of which recording a table is listed, where each has one of its own."""
+    return ", that of the recording in which it varies most" if table.own else ""
 
 
 def _guilty(diagnosis: Diagnosis) -> str:

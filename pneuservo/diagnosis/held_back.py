@@ -9,7 +9,9 @@ from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Table
 from pneuservo.diagnosis.readings import likeliest_held_back
+from pneuservo.diagnosis.tabulated import Tabulated, of_channels, without_table
 
 BEYOND_DOUBT = 10.0 * LEAST_GAIN
 """What explains more is there, even if its size or form does not suit what was held back: three
@@ -38,16 +40,32 @@ class HeldBack:
     cases: Sequence[Case]
     reference: Case
 
-    def read_with(self, found: Fit) -> "HeldBack":
+    def read_with(self, found: Fit, table: Table | None = None) -> "HeldBack":
         """Return them as they are best read and followed with what was found."""
-        cases = likeliest_held_back(self.model, self.cases, found, self.reference)
+        known = _that_repeats(found, table)
+        cases = likeliest_held_back(self.model, self.cases, known, self.reference)
         return HeldBack(self.model, cases, self.reference)
 
-    def predicted(self, found: Fit) -> Fit:
-        """Return a fit's prediction, with the recordings' own values alone fitted to them."""
-        return fit(
-            self.model, self.cases, found.hypothesis, fixed=found.shared, reference=self.reference
+    def predicted(self, found: Fit, table: Table | None = None) -> Fit:
+        """Return a fit's prediction, with the recordings' own values alone fitted to them.
+
+        Parameters
+        ----------
+        found : Fit
+            Of what was used.
+        table : Table, optional
+            That stands in it; if every recording has one of its own, so have these.
+        """
+        known = _that_repeats(found, table)
+        prediction = fit(
+            self.model, self.cases, known.hypothesis, fixed=known.shared, reference=self.reference
         )
+        if table is None or not table.own:
+            return prediction
+        base = of_channels(self.cases, prediction)
+        tabulated = Tabulated(self.model, self.cases, table, self.reference)
+        columns = tabulated.changes(base, np.eye(len(table.knots)))
+        return tabulated.fitted(base, columns)[0]
 
     def refute(self, before: Fit, after: Fit) -> bool:
         """Return whether a name that was added to a fit is to be taken back.
@@ -64,7 +82,9 @@ class HeldBack:
         a_parameter = before.hypothesis.effects == after.hypothesis.effects
         return small and self.are_predicted_worse(before, after, SHOWS if a_parameter else 0.0)
 
-    def are_predicted_worse(self, before: Fit, after: Fit, by: float = 0.0) -> bool:
+    def are_predicted_worse(
+        self, before: Fit, after: Fit, by: float = 0.0, table: Table | None = None
+    ) -> bool:
         """Return whether they are predicted worse by what was found on top of a fit.
 
         Parameters
@@ -73,6 +93,8 @@ class HeldBack:
             Of what is used, without and with it.
         by : float, optional
             So much more of the sum of squares has to be left.
+        table : Table, optional
+            That stands in what was found.
 
         Returns
         -------
@@ -81,10 +103,17 @@ class HeldBack:
         """
         if not self.cases:
             return False
-        read = self.read_with(after)
-        without, with_it = read.predicted(before), read.predicted(after)
+        read = self.read_with(after, table)
+        without, with_it = read.predicted(before), read.predicted(after, table)
+        if table is not None and table.own:
+            without = of_channels(read.cases, without)
         # In weights of what was used: what is predicted wrongly must not pass for noise.
         known = {c: after.scale[c] for c in with_it.scale if c in after.scale}
         with_it = with_it.in_weights({**with_it.scale, **known})
         change = with_it.weighted - with_it.weigh(without.residuals)
         return float(np.sum(change**2)) > SHOWS and explained(without, with_it) < -by
+
+
+def _that_repeats(found: Fit, table: Table | None) -> Fit:
+    """Return what was found but for a table that is another in every recording."""
+    return found if table is None or not table.own else without_table(found, table)

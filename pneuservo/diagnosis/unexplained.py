@@ -5,14 +5,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
-from pneuservo.diagnosis.fitting import channel_scales
+from pneuservo.diagnosis.fit import INTERVAL, Fit, explained
 from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array, Table, Values
-from pneuservo.diagnosis.problem import residuals_of, values_in_each
+from pneuservo.diagnosis.models.model import Array, Table
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import most_gained, spans_beyond
+from pneuservo.diagnosis.tabulated import (
+    Tabulated,
+    coarse_shapes,
+    of_channels,
+    spread_of_shape,
+    varies_most,
+)
 
 Copies = Callable[[Fit], Sequence[Array]]
 """Takes a fit and returns what it leaves of recordings that its own rig has made, beyond a refit,
@@ -36,14 +41,6 @@ WORTH_FITTING = 3
 LEAST_PROMISE = 0.2
 """... of those that promise this share of what they have to bring: a misfit counts as noise until
 it is explained."""
-PLAIN = 0.05
-"""What a bend between knots, and what all have in common, counts, in what a knot shows: knots of
-which nothing shows are laid on a straight line, others hardly move."""
-_MOST_PASSES = 8
-_HARDLY_MORE = 0.02
-"""Share of what a table explains that another pass has to add."""
-_SHARES = (1.0, 0.5, 0.2)
-"""Of a step, where all of it may be too much."""
 TURN = 0.2
 """Share of its size that a curve has to go back to count as turning."""
 WORTH_SAYING = 0.1
@@ -192,7 +189,7 @@ def find_unexplained(
     is left beside the names, where there are many, or where they leave most of what is beyond
     noise, a table may do better in their place.
     """
-    baseline, chosen = (_of_channels(cases, fit) for fit in (baseline, chosen))
+    baseline, chosen = (of_channels(cases, fit) for fit in (baseline, chosen))
     beside = _best(model, cases, tables, chosen, copies, jobs)
     names = len(chosen.hypothesis.effects)
     if not names:
@@ -216,28 +213,6 @@ def _hardly_closer(baseline: Fit, chosen: Fit) -> bool:
     return after > HARDLY_CLOSER * before and after > LEAST_LEFT
 
 
-def _of_channels(cases: Sequence[Case], fit: Fit) -> Fit:
-    """Return a fit of what was recorded alone.
-
-    What follows from it, such as what friction can hold, has no slope where it holds: it would
-    keep knots, and all that follows them, at the edge of that.
-    """
-    residuals = _recorded(cases, fit.residuals)
-    counts = [np.full(len(r), c.recorded) for c, r in zip(cases, residuals, strict=True)]
-    sensitivity = fit.sensitivity.copy()
-    sensitivity[: fit.samples][~np.concatenate(counts)] = 0.0
-    judged = rms([r for r, case in zip(residuals, cases, strict=True) if case.recorded])
-    return replace(fit, residuals=tuple(residuals), rms=judged, sensitivity=sensitivity)
-
-
-def _recorded(cases: Sequence[Case], residuals: Sequence[Array]) -> list[Array]:
-    return [r if c.recorded else np.zeros_like(r) for c, r in zip(cases, residuals, strict=True)]
-
-
-def _left(model: Model, cases: Sequence[Case], values: Sequence[Values]) -> list[Array]:
-    return _recorded(cases, residuals_of(model, cases, values))
-
-
 def _best(
     model: Model,
     cases: Sequence[Case],
@@ -248,140 +223,46 @@ def _best(
 ) -> Unexplained | None:
     """Return the table that explains most of what a fit leaves, of those that earn their place."""
     left = base.beyond_refit(base.weighted)
-    promise: list[tuple[float, Table]] = []
+    promise: list[tuple[float, Tabulated]] = []
+    placed = [Tabulated(model, cases, table, cases[0]) for table in tables]
     roughly = side_by_side(
-        lambda table: _changes(model, cases, base, table, _coarse(len(table.knots))), tables, jobs
+        lambda each: each.changes(base, coarse_shapes(len(each.table.knots))), placed, jobs
     )
-    for table, columns in zip(tables, roughly, strict=True):
-        promise.append((most_gained(spans_beyond(base, [columns]), left), table))
+    for each, columns in zip(placed, roughly, strict=True):
+        promise.append((most_gained(spans_beyond(base, [columns]), left), each))
     promise.sort(key=lambda each: each[0], reverse=True)
     worth_fitting = [
-        table for gain, table in promise[:WORTH_FITTING] if gain > LEAST_PROMISE * table.least_gain
+        each
+        for gain, each in promise[:WORTH_FITTING]
+        if gain > LEAST_PROMISE * each.table.least_gain
     ]
     changes = side_by_side(
-        lambda table: _changes(model, cases, base, table, np.eye(len(table.knots))),
-        worth_fitting,
-        jobs,
+        lambda each: each.changes(base, np.eye(len(each.table.knots))), worth_fitting, jobs
     )
     fitted = [
-        _fitted(model, cases, base, table, columns, copies)
-        for table, columns in zip(worth_fitting, changes, strict=True)
+        _fitted(each, base, columns, copies)
+        for each, columns in zip(worth_fitting, changes, strict=True)
     ]
     worth = [found for found in fitted if found is not None]
     return max(worth, key=lambda found: found.gain, default=None)
 
 
-def _coarse(knots: int) -> Array:
-    """Return shapes with every other knot only, straight between them, one per row."""
-    every = np.arange(knots)
-    return np.array([np.clip(1.0 - 0.5 * np.abs(every - k), 0.0, None) for k in every[::2]])
-
-
-def _changes(
-    model: Model,
-    cases: Sequence[Case],
-    base: Fit,
-    table: Table,
-    shapes: Array,
-    steps: Array | float = 0.0,
-) -> Array:
-    """Return what a step of each of some shapes changes in the residuals [unit of the cases].
-
-    Beside a table that has taken some steps already.
-    """
-    here = np.concatenate(base.residuals)
-    changes = []
-    for shape in shapes:
-        heights = dict(zip(table.knots, (table.step * (steps + shape)).tolist(), strict=True))
-        there = {**base.shared, **table.values, **heights}
-        values = values_in_each(cases, cases[0], there, base.own)
-        changes.append(here - np.concatenate(_left(model, cases, values)))
-    return np.column_stack(changes)
-
-
-def _fitted(
-    model: Model, cases: Sequence[Case], base: Fit, table: Table, columns: Array, copies: Copies
-) -> Unexplained | None:
-    """Return a table fitted together with what the parameters do about it, if it is worth it.
-
-    The misfit that it removes had passed for noise: what it leaves is the measure from then on, and
-    it goes on for as long as it explains more.
-    """
-    found, steps, gain = base, np.zeros(len(table.knots)), 0.0
-    first = columns
-    for _ in range(_MOST_PASSES):
-        closer, moved = _further(model, cases, found, table, steps, columns)
-        more = explained(base, closer)
-        if more < gain * (1.0 + _HARDLY_MORE) or explained(found, closer, found) <= 0.0:
-            break
-        found, steps, gain = closer, moved, more
-        columns = _changes(model, cases, found, table, np.eye(len(steps)), steps)
-    weighed = base.in_weights(found.scale)
-    spans = spans_beyond(weighed, [first])
+def _fitted(tabulated: Tabulated, base: Fit, columns: Array, copies: Copies) -> Unexplained | None:
+    """Return a table fitted together with what the parameters do about it, if it is worth it."""
+    table = tabulated.table
+    found, steps, moved = tabulated.fitted(base, columns)
+    weighed, gain = base.in_weights(found.scale), explained(base, found)
+    spans = spans_beyond(weighed, [columns])
     pretended = max((most_gained(spans, copy) for copy in copies(weighed)), default=0.0)
     if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
         return None
     values = table.step * steps
-    if float(np.std(values)) <= table.least or float(np.max(np.abs(values))) > table.largest:
+    if float(np.max(np.std(values, axis=1))) <= table.least:
         return None
-    rest, plain = _rows(weighed, columns)
-    # Of the shape alone: what all knots have in common the parameters may take up.
-    shape = np.eye(len(steps)) - 1.0 / len(steps)
-    covariance = shape @ np.linalg.pinv(rest.T @ rest + plain.T @ plain) @ shape
-    spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    if float(np.max(np.abs(values))) > table.largest:
+        return None
+    shown = varies_most(steps)
+    spread = spread_of_shape(weighed, moved, len(steps))[shown]
     low, high = (table.values[key] for key in (table.low, table.high))
     knots = np.linspace(low, high, len(table.knots))
-    return Unexplained(table, knots, values, spread * table.step, gain, 0.0, found)
-
-
-def _rows(base: Fit, columns: Array) -> tuple[Array, Array]:
-    """Return what the knots change beyond a refit, and what keeps them plain.
-
-    Where nothing shows they run straight, and what they have in common is left to the parameters.
-    """
-    rest = base.beyond_refit(base.counted(columns))
-    knots = rest.shape[1]
-    plain = np.vstack([np.diff(np.eye(knots), 2, axis=0), np.full(knots, knots**-0.5)])
-    return rest, plain * PLAIN * float(np.median(np.linalg.norm(rest, axis=0)))
-
-
-def _steps(base: Fit, columns: Array, taken: Array) -> Array:
-    """Return the steps of the knots that explain most beyond a refit, after some taken already."""
-    rest, plain = _rows(base, columns)
-    left = np.concatenate([base.unabsorbed, -plain @ taken])
-    return np.asarray(np.linalg.lstsq(np.vstack([rest, plain]), left, rcond=1e-6)[0])
-
-
-def _further(
-    model: Model, cases: Sequence[Case], base: Fit, table: Table, steps: Array, columns: Array
-) -> tuple[Fit, Array]:
-    """Return a fit whose table has gone on from some steps, and the steps that it has taken.
-
-    The parameters move to where they suit the table, all of the way or so far as it gets better.
-    """
-    whole = _steps(base, columns, steps)
-    undone = base.weighted - base.counted(columns @ whole)
-    follow = np.linalg.lstsq(
-        base.sensitivity, -np.concatenate([undone, base.distance]), rcond=None
-    )[0]
-    tried: list[tuple[float, Fit, Array]] = []
-    for share in _SHARES:
-        taken = steps + share * whole
-        heights = dict(zip(table.knots, (taken * table.step).tolist(), strict=True))
-        moved = base.stepped(share * follow)
-        shared = {**moved.shared, **table.values, **heights}
-        values = values_in_each(cases, cases[0], shared, moved.own)
-        residuals = _left(model, cases, values)
-        cost = float(np.sum(base.weigh(residuals) ** 2)) + moved.penalty
-        found = replace(
-            moved,
-            shared=shared,
-            residuals=tuple(residuals),
-            rms=max(rms(residuals), min(base.finest.values())),
-        )
-        if tried and cost > tried[-1][0]:
-            break
-        tried.append((cost, found, taken))
-    _, found, taken = min(tried, key=lambda each: each[0])
-    scale = channel_scales(found.channels, found.residuals, found.finest)
-    return found.in_weights(scale), taken
+    return Unexplained(table, knots, values[shown], spread * table.step, gain, 0.0, found)

@@ -14,7 +14,7 @@ from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.behavioural_card import run_servo_with_card
 from pneuservo.plant.servo.chain import heard
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
-from pneuservo.plant.servo.drift import drifted
+from pneuservo.plant.servo.drift import behind_reference, drifted, read_by_reference
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
@@ -154,6 +154,9 @@ def _read(
     for name, pressure, added in zip(
         ("pressure_a", "pressure_b"), pressures, (noise.pressure_a, noise.pressure_b), strict=True
     ):
+        pressure = read_by_reference(
+            driven.time, pressure, plant.ambient_pressure, effects.unexplained_drift
+        )
         read = within_range(pressure + added, transducers.get("pressure", EXACT))
         columns[name] = in_steps(read, sensor.pressure_step)
     if driven.supply_pressure is None and effects.supply == ServoEffects().supply:
@@ -198,7 +201,9 @@ def state_behind(initial: InitialState, rig: Rig, plant: SingleAxis) -> InitialS
     for name in ("pressure_a", "pressure_b"):
         reading = getattr(initial, name)
         if reading is not None:
-            pair = np.array([reading])
+            pair = behind_reference(
+                moment, np.array([reading]), plant.ambient_pressure, begun.effects.unexplained_drift
+            )
             found = true_pressures(moment, pair, pair, sensor)
             known[name] = float(found[name == "pressure_b"][0])
     return dataclasses.replace(initial, **known)

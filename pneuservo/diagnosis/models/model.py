@@ -74,6 +74,8 @@ class Table:
     least_gain : float
         Drop of the weighted sum of squares that it has to bring: more than an effect, for it has
         more freedom.
+    own : bool, optional
+        Whether every recording has one of its own: what goes by time does not repeat.
     """
 
     effect: str
@@ -90,6 +92,7 @@ class Table:
     least: float
     largest: float
     least_gain: float
+    own: bool = False
 
 
 @dataclass(frozen=True)

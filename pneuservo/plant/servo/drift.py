@@ -18,9 +18,12 @@ DRIFTING = (
     "area of the exhaust edges",
     "area of the supply edges",
     "gain of the displacement transducer",
+    "gain of all transducers",
 )
 """What may drift; `Table.over` of a drift is the place in this list."""
-MASS, COULOMB_FRICTION, EXHAUST_EDGES, SUPPLY_EDGES, DISPLACEMENT_GAIN = range(len(DRIFTING))
+MASS, COULOMB_FRICTION, EXHAUST_EDGES, SUPPLY_EDGES, DISPLACEMENT_GAIN, REFERENCE = range(
+    len(DRIFTING)
+)
 
 
 @compiled
@@ -45,7 +48,7 @@ def with_factor(servo, which, factor):
     """Return the servo with one of its parameters multiplied."""
     return Servo(
         _plant_with_factor(servo.plant, which, factor),
-        _effects_with_factor(servo.effects, factor if which == DISPLACEMENT_GAIN else 1.0),
+        _effects_with_factor(servo.effects, factor if which >= DISPLACEMENT_GAIN else 1.0),
         servo.law,
         servo.displacement_range,
     )
@@ -146,10 +149,56 @@ def behind_drift(
     (3, n) array
         What another drift leaves as it is. The gain's second derivative is left out.
     """
-    if table.high == table.low or table.over != DISPLACEMENT_GAIN:
+    if table.high == table.low or table.over < DISPLACEMENT_GAIN:
         return motion
-    gain = 1.0 + np.array([between_knots(moment, table) for moment in time])
+    gain = _gain(time, table)
     rising = np.gradient(gain, time)
     place = motion[0] / gain
     speed = (motion[1] - rising * place) / gain
     return np.array([place, speed, (motion[2] - 2.0 * rising * speed) / gain])
+
+
+def read_by_reference(
+    time: NDArray[np.float64], pressure: NDArray[np.float64], ambient: float, table: Table
+) -> NDArray[np.float64]:
+    """Return what a transducer reads of a pressure while the reference of all of them drifts [Pa].
+
+    Parameters
+    ----------
+    time, pressure : (n,) array
+        Since the start of the run [s], absolute [Pa].
+    ambient : float
+        Which it reads right: its zero does not drift [Pa].
+    table : Table
+        The drift; another one leaves the pressure as it is.
+    """
+    if not _is_of_reference(table):
+        return pressure
+    return ambient + _gain(time, table) * (pressure - ambient)
+
+
+def behind_reference(
+    time: NDArray[np.float64], readings: NDArray[np.float64], ambient: float, table: Table
+) -> NDArray[np.float64]:
+    """Return the pressures behind what transducers read while the reference of all drifts [Pa].
+
+    Parameters
+    ----------
+    time : (n,) array
+        Since the start of the run [s].
+    readings : (..., n) array
+        [Pa].
+    ambient, table
+        As in `read_by_reference`.
+    """
+    if not _is_of_reference(table):
+        return readings
+    return ambient + (readings - ambient) / _gain(time, table)
+
+
+def _is_of_reference(table: Table) -> bool:
+    return table.high != table.low and table.over == REFERENCE
+
+
+def _gain(time: NDArray[np.float64], table: Table) -> NDArray[np.float64]:
+    return 1.0 + np.array([between_knots(moment, table) for moment in time])

@@ -129,3 +129,25 @@ def test_a_parameter_that_drifts_is_unexplained_and_put_in_its_block(of, block, 
     expected = (1.0 + 7.0 / 8.0 * largest) / (1.0 + largest / 8.0)
     assert late / early == pytest.approx(expected, abs=0.02)
     assert repaired_model(found)["effects"]["unexplained.drift"]["of"]["value"] == of
+
+
+def test_what_drifts_in_every_recording_in_a_way_of_its_own_is_followed_in_each():
+    rig, reference = load_rig("single-axis"), 5
+    ways = (np.linspace(0.0, 0.03, 9), 0.02 * np.sin(np.arange(9.0)), np.linspace(0.02, 0.0, 9))
+    recordings = []
+    for seed, way in enumerate(ways):
+        values = {f"v{k}": float(value) for k, value in enumerate(way)}
+        drift = {"of": float(reference), "low": 0.0, "high": 4.0, **values}
+        drifting = dataclasses.replace(rig, effects={"unexplained.drift": drift})
+        recordings.append(recorded(drifting, Proportional(), 5 + seed))
+    found = diagnose(recordings[:2], validate=recordings[2:])
+    answer = document(found)
+    assert answer["verdict"] == "unexplained", found.search.accepted
+    assert answer["located"][0]["block"] == "sensor.displacement"
+    assert "gain of all transducers" in answer["missing"][0]["statement"]
+    assert "the recording in which it varies most" in answer["missing"][0]["statement"]
+    # That of the recording held back is no better known from the others, and fitted to it.
+    for name, entry in answer["fit"]["channels"].items():
+        for which in ("used", "held_back"):
+            assert entry["after"][which] < 1.1 * NOISE[name]
+    assert answer["fit"]["channels"]["displacement"]["before"]["held_back"] > 1.5e-5

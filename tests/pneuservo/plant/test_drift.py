@@ -14,7 +14,13 @@ from pneuservo.effects.unexplained import DRIFT
 from pneuservo.errors import InputError
 from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
-from pneuservo.plant.servo.drift import DRIFTING, behind_drift, with_factor
+from pneuservo.plant.servo.drift import (
+    DRIFTING,
+    behind_drift,
+    behind_reference,
+    read_by_reference,
+    with_factor,
+)
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.unexplained_effects import INTERVALS, Table
@@ -69,6 +75,23 @@ def test_a_level_drift_is_a_parameter_of_another_value(which):
 def test_a_level_drift_of_the_transducer_is_its_wrong_gain():
     level = run({"unexplained.drift": drift(4, [0.01] * (INTERVALS + 1))})
     assert_same(level, run({"sensor.position-gain": {"gain": 0.01}}))
+
+
+def test_a_level_drift_of_the_reference_is_a_wrong_gain_of_every_transducer():
+    level = run({"unexplained.drift": drift(5, [0.01] * (INTERVALS + 1))})
+    alone = run({"sensor.position-gain": {"gain": 0.01}})
+    ambient = RIG["ambient.pressure"]
+    assert level["displacement"] == pytest.approx(alone["displacement"], rel=1e-9)
+    for name in ("pressure_a", "pressure_b"):
+        assert level[name] - ambient == pytest.approx(1.01 * (alone[name] - ambient))
+    table = Table(5.0, 0.0, 1.0, *np.linspace(0.0, 0.04, INTERVALS + 1))
+    time, pressure = np.linspace(0.0, 1.0, 5), np.linspace(2e5, 5e5, 5)
+    read = read_by_reference(time, pressure, ambient, table)
+    assert read[-1] == pytest.approx(ambient + 1.04 * (5e5 - ambient))
+    assert behind_reference(time, read, ambient, table) == pytest.approx(pressure)
+    other = table._replace(over=4.0)
+    assert read_by_reference(time, pressure, ambient, other) is pressure
+    assert behind_reference(time, pressure, ambient, other) is pressure
 
 
 def test_a_drift_begins_where_the_parameter_still_has_its_value():

@@ -19,7 +19,7 @@ from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
-from pneuservo.plant.servo.drift import behind_drift
+from pneuservo.plant.servo.drift import behind_drift, behind_reference
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state
@@ -90,7 +90,12 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
     slope = 1.0 + sensor.displacement_gain
     # A shift in time is undone with the smoothed rate: shifting the reading would smooth its noise.
     shift = sensor.pressure_lag - sensor.pressure_skew
-    readings = fed.pressures + shift * fed.pressure_rates
+    readings = behind_reference(
+        fed.time,
+        fed.pressures + shift * fed.pressure_rates,
+        plant.ambient_pressure,
+        effects.unexplained_drift,
+    )
     still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
     pressures = true_pressures(fed.time, readings[0], readings[1], still)
     return np.array([place, speed, motion[2] / slope]), np.array(pressures)

@@ -21,7 +21,14 @@ _LEAST_GAIN, _LEAST_GAIN_OVER_TIME = 900.0, 200.0
 four times what imitations pretend, a force over the way in one direction; over time none 45."""
 _OF_THE_PISTON = ("displacement", "velocity")
 _UNITS = ("m", "m", "m", "m/s", "Pa", "Pa", "", "s", "Pa")
-_DRIFT_BLOCKS = ("load", "piston", "valve.flow", "valve.flow", "sensor.displacement")
+_DRIFT_BLOCKS = (
+    "load",
+    "piston",
+    "valve.flow",
+    "valve.flow",
+    "sensor.displacement",
+    "sensor.displacement",
+)
 """Where the parameters of `DRIFTING` belong."""
 _LEAST_DRIFT = 2e-3
 """Share of a parameter by which it has to vary: less is within what calibrations repeat."""
@@ -92,6 +99,7 @@ def _table(
         least,
         size.high,
         _LEAST_GAIN_OVER_TIME if quantity == "time" else _LEAST_GAIN,
+        own=quantity == "time",
     )
 
 
