@@ -80,7 +80,8 @@ class Diagnosis:
     def verdict(self) -> str:
         """Return consistent, parameter, missing-physics or unexplained."""
         accepted = self.search.accepted
-        if any(not member.startswith("param.") for member in accepted):
+        tells_its_name = self.unexplained is not None and self.unexplained.table.form_of
+        if tells_its_name or any(not member.startswith("param.") for member in accepted):
             return "missing-physics"
         if self.holds_nameless:
             return "unexplained"
@@ -91,7 +92,8 @@ class Diagnosis:
     @property
     def holds_nameless(self) -> bool:
         """Return whether something without a name was found, as a table or as a misfit."""
-        return self.unexplained is not None or self.misfit is not None
+        nameless = self.unexplained is not None and not self.unexplained.table.form_of
+        return nameless or self.misfit is not None
 
     @property
     def suspects(self) -> Mapping[str, float]:
@@ -138,7 +140,7 @@ class Diagnosis:
         Zero unless that quantity explains more than half of what the chosen model leaves.
         """
         if self.unexplained is not None:
-            return self.unexplained.share
+            return 0.0 if self.unexplained.table.form_of else self.unexplained.share
         if self.misfit is not None:
             return self.misfit.energy / (self.misfit.energy + _named(self.search))
         if not self.structure_remains or not self.left_over.beyond_chance:

@@ -47,6 +47,8 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
     if verdict == "unexplained":
         missing = [_unexplained(diagnosis, 1.0)]
+    elif diagnosis.unexplained is not None and diagnosis.unexplained.table.form_of:
+        missing.append(_tabulated(diagnosis.unexplained, SUREST))
     elif diagnosis.unnamed_share:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
@@ -239,17 +241,19 @@ def _look(diagnosis: Diagnosis) -> str:
 
 
 def _tabulated(found: Unexplained, probability: float) -> dict[str, Any]:
+    name = found.table.form_of
+    what = CATALOGUE[name].statement if name else "Nothing in the catalogue explains what is left."
     return {
-        "effect": "unexplained",
+        "effect": name or "unexplained",
         "block": found.table.block,
         "statement": (
-            f"Nothing in the catalogue explains what is left. Its shape: {found.shape}. "
+            f"{what} Its shape: {found.shape}. "
             f"The repaired model holds it as a table{_whose(found.table)}."
         ),
         "equation": f"{found.table.effect} = table({found.table.quantity})",
         "parameters": found.parameters,
         "probability": probability,
-        "class": ["unexplained"],
+        "class": [name or "unexplained"],
         "alternatives": [],
     }
 

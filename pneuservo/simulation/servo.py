@@ -14,7 +14,12 @@ from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.behavioural_card import run_servo_with_card
 from pneuservo.plant.servo.chain import heard
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
-from pneuservo.plant.servo.drift import behind_reference, drifted, read_by_reference
+from pneuservo.plant.servo.drift import (
+    behind_reference,
+    drifted,
+    drifting_supply,
+    read_by_reference,
+)
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
@@ -87,6 +92,7 @@ def run_with_effects(
     supply = driven.supply_pressure
     if supply is None:
         supply = np.full(len(driven.time), plant.supply_pressure)
+        supply = drifting_supply(driven.time, supply, effects.unexplained_drift)
     place = rest if initial.displacement is None else initial.displacement
     own = float(driven.force[0]) + resting_force(place, plant, effects)
     inputs = servo_inputs(

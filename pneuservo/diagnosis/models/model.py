@@ -76,6 +76,8 @@ class Table:
         more freedom.
     own : bool, optional
         Whether every recording has one of its own: what goes by time does not repeat.
+    form_of : str, optional
+        Id of the effect of the catalogue that it is a form of, if it is of any.
     """
 
     effect: str
@@ -93,6 +95,7 @@ class Table:
     largest: float
     least_gain: float
     own: bool = False
+    form_of: str = ""
 
 
 @dataclass(frozen=True)

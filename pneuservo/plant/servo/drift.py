@@ -19,11 +19,14 @@ DRIFTING = (
     "area of the supply edges",
     "gain of the displacement transducer",
     "gain of all transducers",
+    "pressure of the supply",
 )
 """What may drift; `Table.over` of a drift is the place in this list."""
-MASS, COULOMB_FRICTION, EXHAUST_EDGES, SUPPLY_EDGES, DISPLACEMENT_GAIN, REFERENCE = range(
+MASS, COULOMB_FRICTION, EXHAUST_EDGES, SUPPLY_EDGES, DISPLACEMENT_GAIN, REFERENCE, SUPPLY = range(
     len(DRIFTING)
 )
+_READING = (float(DISPLACEMENT_GAIN), float(REFERENCE))
+"""What changes how a displacement is read."""
 
 
 @compiled
@@ -48,7 +51,9 @@ def with_factor(servo, which, factor):
     """Return the servo with one of its parameters multiplied."""
     return Servo(
         _plant_with_factor(servo.plant, which, factor),
-        _effects_with_factor(servo.effects, factor if which >= DISPLACEMENT_GAIN else 1.0),
+        _effects_with_factor(
+            servo.effects, factor if DISPLACEMENT_GAIN <= which <= REFERENCE else 1.0
+        ),
         servo.law,
         servo.displacement_range,
     )
@@ -149,7 +154,7 @@ def behind_drift(
     (3, n) array
         What another drift leaves as it is. The gain's second derivative is left out.
     """
-    if table.high == table.low or table.over < DISPLACEMENT_GAIN:
+    if table.high == table.low or table.over not in _READING:
         return motion
     gain = _gain(time, table)
     rising = np.gradient(gain, time)
@@ -172,7 +177,7 @@ def read_by_reference(
     table : Table
         The drift; another one leaves the pressure as it is.
     """
-    if not _is_of_reference(table):
+    if not _is_of(REFERENCE, table):
         return pressure
     return ambient + _gain(time, table) * (pressure - ambient)
 
@@ -191,13 +196,28 @@ def behind_reference(
     ambient, table
         As in `read_by_reference`.
     """
-    if not _is_of_reference(table):
+    if not _is_of(REFERENCE, table):
         return readings
     return ambient + (readings - ambient) / _gain(time, table)
 
 
-def _is_of_reference(table: Table) -> bool:
-    return table.high != table.low and table.over == REFERENCE
+def drifting_supply(
+    time: NDArray[np.float64], pressure: NDArray[np.float64], table: Table
+) -> NDArray[np.float64]:
+    """Return the pressure of a source that drifts [Pa].
+
+    Parameters
+    ----------
+    time, pressure : (n,) array
+        Since the start of the run [s], what it would be without a drift [Pa].
+    table : Table
+        The drift; another one leaves the pressure as it is.
+    """
+    return pressure * _gain(time, table) if _is_of(SUPPLY, table) else pressure
+
+
+def _is_of(which: int, table: Table) -> bool:
+    return table.high != table.low and table.over == which
 
 
 def _gain(time: NDArray[np.float64], table: Table) -> NDArray[np.float64]:

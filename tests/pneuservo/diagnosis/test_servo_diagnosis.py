@@ -107,6 +107,9 @@ def test_a_planted_effect_is_named_and_put_in_its_block(effect, blocks, tmp_path
     assert first["effect"] in repaired_model(found)["effects"]
 
 
+KNOTS = np.linspace(0.0, 4.0, 9)
+
+
 @pytest.mark.parametrize(
     ("of", "block", "largest"),
     [(0, "load", 0.3), (2, "valve.flow", -0.2)],
@@ -151,3 +154,27 @@ def test_what_drifts_in_every_recording_in_a_way_of_its_own_is_followed_in_each(
         for which in ("used", "held_back"):
             assert entry["after"][which] < 1.1 * NOISE[name]
     assert answer["fit"]["channels"]["displacement"]["before"]["held_back"] > 1.5e-5
+
+
+@pytest.mark.parametrize("measured", [True, False], ids=["measured", "not measured"])
+def test_a_supply_that_wanders_has_its_name(measured):
+    rig, supply, size = load_rig("single-axis"), 6, 0.002 if measured else 0.01
+    recordings = []
+    for seed in range(2):
+        rng = np.random.default_rng(seed)
+        walk = size * np.cumsum(rng.standard_normal(9))
+        values = {f"v{k}": float(value) for k, value in enumerate(walk)}
+        drift = {"of": float(supply), "low": 0.0, "high": 4.0, **values}
+        wandering = dataclasses.replace(rig, effects={"unexplained.drift": drift})
+        recording = recorded(wandering, Proportional(), 5 + seed)
+        if measured:
+            source = rig["supply.pressure"] * (1.0 + np.interp(recording.time, KNOTS, walk))
+            recording.channels["supply_pressure"] = source + rng.normal(0.0, 500.0, len(source))
+        recordings.append(recording)
+    found = diagnose(recordings)
+    answer = document(found)
+    assert answer["verdict"] == "missing-physics"
+    assert [entry["effect"] for entry in answer["missing"]] == ["supply.slow-drift"]
+    assert answer["located"][0]["block"] == "supply"
+    assert "the recording in which it varies most" in answer["missing"][0]["statement"]
+    assert repaired_model(found)["effects"]["unexplained.drift"]["of"]["value"] == supply

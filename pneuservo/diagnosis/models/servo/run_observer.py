@@ -19,7 +19,7 @@ from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
-from pneuservo.plant.servo.drift import behind_drift, behind_reference
+from pneuservo.plant.servo.drift import behind_drift, behind_reference, drifting_supply
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state
@@ -183,7 +183,8 @@ def _expected_supply(
 ) -> Array:
     plant, effects = known
     level = values.get(SUPPLY_LEVEL, float(np.nanmean(fed.supply_reading)))
-    return expected_supply(fed.time, level, drawn, plant, effects.supply)
+    expected = expected_supply(fed.time, level, drawn, plant, effects.supply)
+    return drifting_supply(fed.time, expected, effects.unexplained_drift)
 
 
 def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, Array]:
@@ -277,7 +278,10 @@ def _chain(
 ) -> tuple[Servo, Array, Array]:
     """Return the numbers of the chain, the state it starts from, and the supply pressure."""
     servo = Servo(plant, effects, OPEN_LOOP)
-    supply = fed.supply if fed.supply is not None else np.full_like(fed.time, plant.supply_pressure)
+    supply = fed.supply
+    if supply is None:
+        supply = np.full_like(fed.time, plant.supply_pressure)
+        supply = drifting_supply(fed.time, supply, effects.unexplained_drift)
     start = np.zeros(PLANT_STATES)
     start[SPOOL] = np.clip(fed.voltage[0] / plant.valve.full_voltage, -1.0, 1.0)
     start[[PRESSURE_A, PRESSURE_B]] = pressures[:, 0]

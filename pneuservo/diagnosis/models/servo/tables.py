@@ -1,12 +1,14 @@
 """Tables over what was recorded of a servo, for what no effect explains."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Case, Table
 from pneuservo.diagnosis.models.servo.feed import Array, Feed
 from pneuservo.effects import Effect
+from pneuservo.effects.supply import SLOW_DRIFT
 from pneuservo.effects.unexplained import DRIFT, FLOW_A, FLOW_B, FORCE
 from pneuservo.plant.servo.drift import DRIFTING
 from pneuservo.plant.servo.unexplained_effects import QUANTITIES
@@ -21,17 +23,21 @@ _LEAST_GAIN, _LEAST_GAIN_OVER_TIME = 900.0, 200.0
 four times what imitations pretend, a force over the way in one direction; over time none 45."""
 _OF_THE_PISTON = ("displacement", "velocity")
 _UNITS = ("m", "m", "m", "m/s", "Pa", "Pa", "", "s", "Pa")
-_DRIFT_BLOCKS = (
-    "load",
-    "piston",
-    "valve.flow",
-    "valve.flow",
-    "sensor.displacement",
-    "sensor.displacement",
-)
-"""Where the parameters of `DRIFTING` belong."""
 _LEAST_DRIFT = 2e-3
-"""Share of a parameter by which it has to vary: less is within what calibrations repeat."""
+"""Share of a parameter by which it has to vary: less is within what calibrations repeat ..."""
+_LEAST_DRIFT_OF_SUPPLY = 5e-4
+"""... but a supply's pressure may be read beside it."""
+_DRIFTS = (
+    ("load", _LEAST_DRIFT, ""),
+    ("piston", _LEAST_DRIFT, ""),
+    ("valve.flow", _LEAST_DRIFT, ""),
+    ("valve.flow", _LEAST_DRIFT, ""),
+    ("sensor.displacement", _LEAST_DRIFT, ""),
+    ("sensor.displacement", _LEAST_DRIFT, ""),
+    ("supply", _LEAST_DRIFT_OF_SUPPLY, SLOW_DRIFT.id),
+)
+"""Where the parameters of `DRIFTING` belong, by what they vary at least, and which effect of the
+catalogue does that, if one does."""
 
 
 def tables_of(cases: Sequence[Case]) -> list[Table]:
@@ -63,9 +69,9 @@ def tables_of(cases: Sequence[Case]) -> list[Table]:
             least = wander if effect is FORCE else 0.0
             found.append(_table(effect, block, what, name, unit, over, (low, high), least))
     longest = max(float(fed.time[-1]) for fed, _ in feeds.values())
-    for which, (what, block) in enumerate(zip(DRIFTING, _DRIFT_BLOCKS, strict=True)):
-        ends = (0.0, longest)
-        found.append(_table(DRIFT, block, what, "time", "s", which, ends, _LEAST_DRIFT))
+    for which, (what, (block, least, name)) in enumerate(zip(DRIFTING, _DRIFTS, strict=True)):
+        drift = _table(DRIFT, block, what, "time", "s", which, (0.0, longest), least)
+        found.append(replace(drift, form_of=name))
     return found
 
 
