@@ -179,7 +179,7 @@ def read_by_reference(
     """
     if not _is_of(REFERENCE, table):
         return pressure
-    return ambient + _gain(time, table) * (pressure - ambient)
+    return ambient + gain_of_reference(time, table) * (pressure - ambient)
 
 
 def behind_reference(
@@ -198,7 +198,20 @@ def behind_reference(
     """
     if not _is_of(REFERENCE, table):
         return readings
-    return ambient + (readings - ambient) / _gain(time, table)
+    return ambient + (readings - ambient) / gain_of_reference(time, table)
+
+
+def gain_of_reference(time: NDArray[np.float64], table: Table) -> NDArray[np.float64] | float:
+    """Return the gain that all transducers have in common by a drift of their reference [-].
+
+    Parameters
+    ----------
+    time : (n,) array
+        Since the start of the run [s].
+    table : Table
+        The drift; with another one it is 1.
+    """
+    return _gain(time, table) if _is_of(REFERENCE, table) else 1.0
 
 
 def drifting_supply(

@@ -152,7 +152,8 @@ def test_what_drifts_in_every_recording_in_a_way_of_its_own_is_followed_in_each(
     # That of the recording held back is no better known from the others, and fitted to it.
     for name, entry in answer["fit"]["channels"].items():
         for which in ("used", "held_back"):
-            assert entry["after"][which] < 1.1 * NOISE[name]
+            # Nor less than noise: readings are not explained by transducers that read less of all.
+            assert 0.95 * NOISE[name] < entry["after"][which] < 1.1 * NOISE[name]
     assert answer["fit"]["channels"]["displacement"]["before"]["held_back"] > 1.5e-5
 
 

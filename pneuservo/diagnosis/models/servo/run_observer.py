@@ -19,7 +19,12 @@ from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.from_rig import single_axis, valve_grid
-from pneuservo.plant.servo.drift import behind_drift, behind_reference, drifting_supply
+from pneuservo.plant.servo.drift import (
+    behind_drift,
+    behind_reference,
+    drifting_supply,
+    gain_of_reference,
+)
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state
@@ -269,7 +274,7 @@ def _observe(
         state,
         steps,
     )
-    found[0][:2] *= _as_read(effects)
+    found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
     return found
 
 
