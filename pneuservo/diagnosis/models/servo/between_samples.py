@@ -57,7 +57,7 @@ def with_set_point_in_steps(fed: Feed, rig: Rig) -> Feed:
     Notes
     -----
     Its command is a sawtooth then, of which the samples are the crests. Where it was taken to run
-    on from crest to crest, a control left 1.4 times the noise of a displacement, and of a right
+    on from crest to crest, a control left 1.2 times the noise of a displacement, and of a right
     model stiction of the spool gained 538.
     """
     found = at_once(fed.voltage, fed.set_point, fed.gain_of_set_point, in_steps=True)
