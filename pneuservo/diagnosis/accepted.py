@@ -39,7 +39,7 @@ class Accepted(Hypotheses):
     accepted: list[str] = field(default_factory=list)
     ledger: list[Step] = field(default_factory=list)
     interrupted: bool = False
-    _rests: dict[tuple[Hypothesis, Hypothesis], Fit] = field(default_factory=dict)
+    _rests: dict[Hypothesis, Array] = field(default_factory=dict)
 
     @property
     def chosen(self) -> Fit:
@@ -86,10 +86,11 @@ class Accepted(Hypotheses):
         """
         hypothesis = self._with([m for m in self.accepted if m != member])
         found, chosen = self.fitted(hypothesis), self.chosen
-        asked = (hypothesis, chosen.hypothesis)
-        if not self.model.steady or not hypothesis.effects or self._rests.get(asked) is chosen:
+        if not self.model.steady or not hypothesis.effects:
             return found
-        self._rests[asked] = chosen
+        if self._rests.get(hypothesis) is chosen.vector:
+            return found
+        self._rests[hypothesis] = chosen.vector
         again = fit(self.model, self.cases, hypothesis, chosen)
         if explained(found, again) > DECISIVE:
             self.fits[hypothesis] = again

@@ -80,8 +80,7 @@ class Diagnosis:
     def verdict(self) -> str:
         """Return consistent, parameter, missing-physics or unexplained."""
         accepted = self.search.accepted
-        tells_its_name = self.unexplained is not None and self.unexplained.table.form_of
-        if tells_its_name or any(not member.startswith("param.") for member in accepted):
+        if self.named_table or any(not member.startswith("param.") for member in accepted):
             return "missing-physics"
         if self.holds_nameless:
             return "unexplained"
@@ -90,10 +89,15 @@ class Diagnosis:
         return "unexplained" if self.structure_remains else "consistent"
 
     @property
+    def named_table(self) -> Unexplained | None:
+        """Return the table that was found, if it is a form of an effect of the catalogue."""
+        found = self.unexplained
+        return found if found is not None and found.table.form_of else None
+
+    @property
     def holds_nameless(self) -> bool:
         """Return whether something without a name was found, as a table or as a misfit."""
-        nameless = self.unexplained is not None and not self.unexplained.table.form_of
-        return nameless or self.misfit is not None
+        return self.misfit is not None or self.unexplained is not self.named_table
 
     @property
     def suspects(self) -> Mapping[str, float]:
@@ -139,8 +143,10 @@ class Diagnosis:
 
         Zero unless that quantity explains more than half of what the chosen model leaves.
         """
+        if self.named_table is not None:
+            return 0.0
         if self.unexplained is not None:
-            return 0.0 if self.unexplained.table.form_of else self.unexplained.share
+            return self.unexplained.share
         if self.misfit is not None:
             return self.misfit.energy / (self.misfit.energy + _named(self.search))
         if not self.structure_remains or not self.left_over.beyond_chance:

@@ -47,8 +47,8 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
     if verdict == "unexplained":
         missing = [_unexplained(diagnosis, 1.0)]
-    elif diagnosis.unexplained is not None and diagnosis.unexplained.table.form_of:
-        missing.append(_tabulated(diagnosis.unexplained, SUREST))
+    elif diagnosis.named_table is not None:
+        missing.append(_tabulated(diagnosis.named_table, SUREST))
     elif diagnosis.unnamed_share:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}

@@ -135,6 +135,7 @@ def _fitted_anew(problem: Problem, hypothesis: Hypothesis) -> Fit:
 def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit | None) -> Array:
     """Return the solution with the weights that follow from the misfit that it leaves."""
     steady, known = problem.model.steady, None
+    less_free = near if near and steady and near.hypothesis.is_part_of(hypothesis) else None
     for passed in range(_MOST_PASSES if steady else 2):
         before, problem.scale = problem.scale, _scales(problem, vector)
         if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in problem.scale.items()):
@@ -143,8 +144,7 @@ def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit 
         if passed or near is not None:
             # By now the vector is near the solution: no sensitivity has to be worked out again.
             known = problem.solved(vector)
-        freer = near is not None and near.hypothesis.is_part_of(hypothesis)
-        if near is not None and freer and steady and _hopeless(problem, vector, near):
+        if less_free is not None and _hopeless(problem, vector, less_free):
             break
     return vector
 

@@ -64,8 +64,7 @@ class HeldBack:
             return prediction
         base = of_channels(self.cases, prediction)
         tabulated = Tabulated(self.model, self.cases, table, self.reference)
-        columns = tabulated.changes(base, np.eye(len(table.knots)))
-        return tabulated.fitted(base, columns)[0]
+        return tabulated.fitted(base, tabulated.changes(base))[0]
 
     def refute(self, before: Fit, after: Fit) -> bool:
         """Return whether a name that was added to a fit is to be taken back.

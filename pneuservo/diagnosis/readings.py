@@ -1,7 +1,7 @@
 """How recordings are to be read and followed: where they do not say, what fits better is taken."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pneuservo.diagnosis.fit import Fit, gained_most
@@ -19,8 +19,6 @@ _LATE_WORTH_FITTING = 2
 """So many effects that are late, those that promise most, are fitted to a way of reading."""
 _MOST_FORGIVEN = 4.0
 """So many times the least of what the ways of reading leave all over, squared, decides nothing."""
-
-
 _NOT_HOPELESS = 1.25
 """A recording that is so many times as unlikely in another way is not turned to it alone."""
 
@@ -69,13 +67,7 @@ def ranked_readings(
     if len(readings) == 1:
         return [Reading(readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
-    ways = list(readings)
-    fits = _fitted_in_turn(model, ways, None)
-    for turned in _mixtures(model, ways, fits):
-        nearest = fits[_likeliest(_unlikely(model, ways, _values(ways, fits)))]
-        ways.append(turned)
-        fits.append(refitted(model, turned, nearest))
-    unlikely = _unlikely(model, ways, _values(ways, fits))
+    ways, fits, unlikely = _with_mixtures(model, readings)
     # Of mixtures only the likeliest is worth coming back to.
     best = _likeliest(unlikely)
     kept = [n for n in range(len(ways)) if n < len(readings) or n == best]
@@ -83,36 +75,32 @@ def ranked_readings(
     return sorted(found, key=lambda reading: reading.unlikely)
 
 
-def _mixtures(model: Model, ways: list[Cases], fits: list[Fit]) -> Iterator[Cases]:
-    """Yield mixtures of some ways to read recordings that may be likelier than any so far.
+def _with_mixtures(
+    model: Model, readings: Sequence[Cases]
+) -> tuple[list[Cases], list[Fit], list[dict[int, float]]]:
+    """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
 
     Each recording in its likeliest way first; then the likeliest of all, one recording turned at a
     time: beside a relay that was read wrongly a proportional loop seemed likelier read wrongly too.
-
-    Parameters
-    ----------
-    model : Model
-        What is fitted.
-    ways, fits : list
-        What has been tried, the mixtures that were yielded among it.
     """
-    pure = len(ways)
+    ways, fits = list(readings), _fitted_in_turn(model, readings, None)
     unlikely = _unlikely(model, ways, _values(ways, fits))
-    tried = [*ways]
-    mixed = _likeliest_of_each(ways, unlikely)
-    if not any(_are_the_same(mixed, way) for way in tried):
-        tried.append(mixed)
-        yield mixed
-    for recording in unlikely[0]:
-        for n in range(pure):
+
+    def try_as_well(mixture: Cases) -> None:
+        nonlocal unlikely
+        if not any(_are_the_same(mixture, way) for way in ways):
+            nearest = fits[_likeliest(unlikely)]
+            ways.append(mixture)
+            fits.append(refitted(model, mixture, nearest))
             unlikely = _unlikely(model, ways, _values(ways, fits))
+
+    try_as_well(_likeliest_of_each(ways, unlikely))
+    for recording in unlikely[0]:
+        for n in range(len(readings)):
             best = _likeliest(unlikely)
-            turned = _turned(ways[best], ways[n], recording)
-            if any(_are_the_same(turned, way) for way in tried):
-                continue
             if unlikely[n][recording] < _NOT_HOPELESS * unlikely[best][recording]:
-                tried.append(turned)
-                yield turned
+                try_as_well(_turned(ways[best], ways[n], recording))
+    return ways, fits, unlikely
 
 
 def _likeliest(unlikely: Sequence[Mapping[int, float]]) -> int:

@@ -107,15 +107,15 @@ class Tabulated:
         """Return tables that have nothing at any knot."""
         return np.zeros((max(self._parts) + 1, len(self.table.knots)))
 
-    def changes(self, base: Fit, shapes: Array, steps: Steps | None = None) -> Array:
+    def changes(self, base: Fit, shapes: Array | None = None, steps: Steps | None = None) -> Array:
         """Return what a step of each of some shapes changes in the residuals [unit of the cases].
 
         Parameters
         ----------
         base : Fit
             What it is tabulated beside.
-        shapes : (m, k) array
-            Heights of all knots, in steps.
+        shapes : (m, k) array, optional
+            Heights of all knots, in steps; without them every knot alone.
         steps : (p, k) array, optional
             Those that it has taken already.
 
@@ -127,7 +127,7 @@ class Tabulated:
         """
         taken = self.flat if steps is None else steps
         changes = []
-        for shape in shapes:
+        for shape in np.eye(len(self.table.knots)) if shapes is None else shapes:
             left = self._left(*self._with_heights(base, taken + shape))
             changes.append(
                 [before - after for before, after in zip(base.residuals, left, strict=True)]
@@ -176,7 +176,7 @@ class Tabulated:
             if more < gain * (1.0 + _HARDLY_MORE) or explained(found, closer, found) <= 0.0:
                 break
             found, steps, gain = closer, moved, more
-            columns = self.changes(found, np.eye(len(self.table.knots)), steps)
+            columns = self.changes(found, steps=steps)
         return found, steps, columns
 
     def _with_heights(

@@ -179,7 +179,7 @@ def read_by_reference(
     """
     if not _is_of(REFERENCE, table):
         return pressure
-    return ambient + gain_of_reference(time, table) * (pressure - ambient)
+    return ambient + _gain(time, table) * (pressure - ambient)
 
 
 def behind_reference(
@@ -198,7 +198,7 @@ def behind_reference(
     """
     if not _is_of(REFERENCE, table):
         return readings
-    return ambient + (readings - ambient) / gain_of_reference(time, table)
+    return ambient + (readings - ambient) / _gain(time, table)
 
 
 def gain_of_reference(time: NDArray[np.float64], table: Table) -> NDArray[np.float64] | float:
