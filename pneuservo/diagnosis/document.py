@@ -48,7 +48,8 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     if verdict == "unexplained":
         missing = [_unexplained(diagnosis, 1.0)]
     elif diagnosis.named_table is not None:
-        missing.append(_tabulated(diagnosis.named_table, SUREST))
+        named = _tabulated(diagnosis.named_table, SUREST)
+        missing = [*(apart_from(named["effect"], entry) for entry in missing), named]
     elif diagnosis.unnamed_share:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
@@ -70,6 +71,27 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         ],
         "fit": _fit(diagnosis),
         **({"sessions": sessions} if sessions else {}),
+    }
+
+
+def apart_from(name: str, entry: dict[str, Any]) -> dict[str, Any]:
+    """Return an entry without what is named beside it: that is no longer in its place.
+
+    Parameters
+    ----------
+    name : str
+        Id of the effect that is named beside it.
+    entry : dict
+        One of ``missing``.
+
+    Returns
+    -------
+    dict
+        A copy whose ``class`` and ``alternatives`` lack the name.
+    """
+    return entry | {
+        "class": [member for member in entry["class"] if member != name],
+        "alternatives": [other for other in entry["alternatives"] if other["effect"] != name],
     }
 
 

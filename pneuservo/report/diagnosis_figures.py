@@ -231,7 +231,7 @@ def _table(axes: Any, found: Unexplained) -> None:
         knots, found.values, INTERVAL * found.spread, fmt="o", color=MEASURED, ms=4, capsize=3
     )
     axes.set_xlabel(f"{found.table.quantity} [{unit or '-'}]")
-    axes.set_ylabel(f"{found.table.what} [{found.table.unit}]")
+    axes.set_ylabel(f"{found.table.what} [{found.table.unit or '-'}]")
 
 
 def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None:

@@ -165,7 +165,8 @@ def _read(
         )
         read = within_range(pressure + added, transducers.get("pressure", EXACT))
         columns[name] = in_steps(read, sensor.pressure_step)
-    if driven.supply_pressure is None and effects.supply == ServoEffects().supply:
+    steady = effects.supply == ServoEffects().supply and not np.ptp(columns["supply_pressure"])
+    if driven.supply_pressure is None and steady:
         del columns["supply_pressure"]
     if not has_energy_balance(effects.chamber):
         del columns["temperature_a"], columns["temperature_b"]

@@ -10,6 +10,7 @@ import truth_dead_volume
 import truth_seal_tester
 
 from pneuservo.diagnosis import diagnose, document, repaired_model
+from pneuservo.diagnosis.document import apart_from
 from pneuservo.effects import CATALOGUE
 from pneuservo.rigs import load_rig
 
@@ -229,3 +230,18 @@ def test_the_repaired_rig_keeps_its_transducers(tmp_path):
     again = tmp_path / "model.toml"
     again.write_text(tomli_w.dumps(repaired_model(diagnosis)), encoding="utf-8")
     assert load_rig(again).transducers == load_rig(path).transducers
+
+
+def test_what_is_named_beside_is_not_in_the_place_of_another():
+    entry = {
+        "effect": "friction.speed-curve",
+        "class": ["friction.speed-curve", "supply.slow-drift", "friction.position"],
+        "alternatives": [
+            {"effect": "supply.slow-drift", "probability": 0.1},
+            {"effect": "friction.position", "probability": 0.2},
+        ],
+    }
+    alone = apart_from("supply.slow-drift", entry)
+    assert alone["class"] == ["friction.speed-curve", "friction.position"]
+    assert [other["effect"] for other in alone["alternatives"]] == ["friction.position"]
+    assert len(entry["class"]) == 3

@@ -1,5 +1,6 @@
 """The simulation as users call it."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -145,6 +146,17 @@ def test_a_run_reads_back_and_replays_to_itself(tmp_path):
     again = replay(back)
     for name in run.channels:
         np.testing.assert_array_equal(again[name], run[name])
+
+
+def test_the_supply_is_recorded_where_it_varies():
+    rig = load_rig("single-axis")
+    rising = {f"v{k}": 0.01 * k for k in range(9)}
+    drift = {"of": 6.0, "low": 0.0, "high": float(TIME[-1]), **rising}
+    drifting = dataclasses.replace(rig, effects={"unexplained.drift": drift})
+    supply = simulate(drifting, time=TIME, command=1.0).channels["supply_pressure"]
+    share = TIME / TIME[-1]
+    np.testing.assert_allclose(supply, rig["supply.pressure"] * (1.0 + 0.08 * share), rtol=1e-9)
+    assert "supply_pressure" not in simulate(rig, time=TIME, command=1.0).channels
 
 
 def test_replay_starts_where_the_recording_does():
