@@ -18,6 +18,10 @@ _UNITS = {
 _LIKELY = 0.5
 """Below this probability an effect is only claimed as one of its class."""
 
+_STANDS_OUT = 1.5
+"""So many times what is left of the recordings used, and the noise, is no chance: it is known to a
+tenth."""
+
 
 def quantity(value: float | None, unit: str, step: float = 0.0) -> str:
     """Return a number with three significant digits and a unit that people use.
@@ -57,7 +61,7 @@ def _magnitude(value: float) -> int:
 
 
 def headline(answer: dict[str, Any]) -> str:
-    """Return the answer of a diagnosis in one sentence.
+    """Return the answer of a diagnosis in a sentence, and what should lower one's trust in it.
 
     Parameters
     ----------
@@ -67,8 +71,13 @@ def headline(answer: dict[str, Any]) -> str:
     Returns
     -------
     str
-        The sentence.
+        One sentence; a second where what was held back is predicted far worse than what was used
+        is followed.
     """
+    return _answered(answer) + _not_predicted(answer["fit"]["channels"])
+
+
+def _answered(answer: dict[str, Any]) -> str:
     channel, fit = _most_improved(answer["fit"]["channels"])
     name, unit = channel.replace("_", " "), fit["unit"]
     before, after = fit["before"]["used"], fit["after"]["used"]
@@ -105,6 +114,23 @@ def _farthest_off(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     return max(
         channels.items(),
         key=lambda item: item[1]["after"]["used"] / max(item[1]["noise_rms"], 1e-300),
+    )
+
+
+def _not_predicted(channels: dict[str, Any]) -> str:
+    """Return a sentence on the channel that is predicted worst, if one stands out."""
+    worse = {
+        name: fit["after"]["held_back"] / max(fit["after"]["used"], fit["noise_rms"], 1e-300)
+        for name, fit in channels.items()
+        if fit["after"]["held_back"] is not None
+    }
+    worst = max(worse, key=worse.__getitem__, default="")
+    if not worst or worse[worst] <= _STANDS_OUT:
+        return ""
+    left = quantity(channels[worst]["after"]["held_back"], channels[worst]["unit"])
+    return (
+        f" What was held back is not predicted as well: {left} of the {worst.replace('_', ' ')} "
+        f"are left there, {worse[worst]:.2g} times as much; something is different in it."
     )
 
 

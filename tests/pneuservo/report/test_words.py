@@ -1,0 +1,31 @@
+"""The answer of a diagnosis in words."""
+
+import pytest
+
+from pneuservo.report.words import headline
+
+
+def answer(held_back, used=2.3e-5, noise=2.1e-5):
+    channel = {
+        "noise_rms": noise,
+        "unit": "m",
+        "before": {"used": 4.1e-4, "held_back": held_back},
+        "after": {"used": used, "held_back": held_back},
+    }
+    return {"verdict": "consistent", "fit": {"channels": {"displacement": channel}}}
+
+
+def test_what_is_predicted_far_worse_is_said():
+    words = headline(answer(1.15e-4))
+    assert "What was held back is not predicted as well" in words
+    assert "0.115 mm of the displacement are left there, 5 times as much" in words
+
+
+@pytest.mark.parametrize("held_back", [None, 2.0e-5, 3.4e-5])
+def test_what_is_predicted_as_well_is_not_mentioned(held_back):
+    assert "held back" not in headline(answer(held_back))
+
+
+def test_less_than_the_noise_is_no_scale():
+    # Of a recording that was fitted closely the noise is what others are held against.
+    assert "held back" not in headline(answer(2.5e-5, used=1e-6))
