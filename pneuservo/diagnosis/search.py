@@ -12,7 +12,7 @@ from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count
-from pneuservo.diagnosis.strained import leaves_noise, out_of_tolerance
+from pneuservo.diagnosis.strained import MANY_WRONG, leaves_noise, out_of_tolerance
 
 MOST_EFFECTS = 3
 
@@ -115,17 +115,17 @@ class Search(Rivals):
         """Name parameters that are out of their tolerance, where nothing else was found.
 
         They cost little to explain recordings with, so that setting them free hardly explains more.
+        None is named where there are many, or where one of them cannot be it.
         """
         if self.accepted or not self.model.steady or not leaves_noise(self.cases, self.chosen):
             return
-        while len(self.accepted) < MOST_EFFECTS:
-            current = self.chosen
-            wrong = out_of_tolerance(current)
-            if not wrong:
-                break
-            name = f"param.{wrong[0]}"
+        while wrong := out_of_tolerance(self.chosen):
+            current, name = self.chosen, f"param.{wrong[0]}"
             free = self.ended(current.hypothesis.adding(name))
-            if is_impossible(name, free):
+            many = len(self.accepted) + 1 >= MANY_WRONG
+            if many or is_impossible(name, free) or not leaves_noise(self.cases, free):
+                for member in self.accepted[::-1]:
+                    self._drop(member, f"{name} had to go too: they make up for something else")
                 break
             self.accepted.append(name)
             drop = current.evidence(free.effective) - free.evidence(free.effective)

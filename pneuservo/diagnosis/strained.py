@@ -21,6 +21,9 @@ LEAVES_NOISE = 1.15
 """Times its noise, which is known to a tenth, that a channel of a recording is left at where
 nothing else is wrong. (Of a relay at 180 Hz that was sampled at 500 Hz nobody knows what its
 command was: left at 1.45, three right parameters were called wrong.)"""
+MANY_WRONG = 3
+"""So many parameters of one rig are hardly wrong at once: they make up for something else. (Air
+swinging faintly in hoses had moved an index and three areas of the valve out of their tolerances.)"""
 WORTH_FITTING = 3
 """So many candidates are fitted for what they promise from nominal parameters."""
 

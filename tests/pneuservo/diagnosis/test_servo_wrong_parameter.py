@@ -7,7 +7,8 @@ import pytest
 from servo_recordings import recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
-from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis import diagnose, document, search
+from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.strained import out_of_tolerance
 from pneuservo.rigs import load_rig
 
@@ -48,3 +49,43 @@ def test_all_of_its_interval_has_to_be_out_of_it(distance, known, out):
         leverage=lambda name: known**2,
     )
     assert out_of_tolerance(found) == out
+
+
+@pytest.mark.parametrize(
+    ("wrong", "leaving_noise", "named"),
+    [
+        (["a"], {"a", ""}, ["param.a"]),
+        (["a", "b"], {"a", "b", ""}, ["param.a", "param.b"]),
+        (["a", "b", "c"], {"a", "b", "c", ""}, []),  # so many are hardly wrong at once
+        (["a", "b"], {"a", ""}, []),  # ... nor is one that cannot be let go
+    ],
+)
+def test_parameters_that_make_up_for_something_else_are_not_named(
+    monkeypatch, wrong, leaving_noise, named
+):
+    monkeypatch.setattr(search, "out_of_tolerance", lambda found: wrong[len(found.members) :])
+    monkeypatch.setattr(search, "leaves_noise", lambda cases, found: found.last in leaving_noise)
+
+    class Named(search.Search):
+        @property
+        def chosen(self):
+            return fitted(self.accepted)
+
+        def ended(self, hypothesis):
+            return fitted(hypothesis.members)
+
+    def fitted(members):
+        last = members[-1].removeprefix("param.") if members else ""
+        return SimpleNamespace(
+            members=tuple(members),
+            last=last,
+            hypothesis=Hypothesis(
+                frozenset(), frozenset(m.removeprefix("param.") for m in members)
+            ),
+            effective={},
+            evidence=lambda effective: 0.0,
+        )
+
+    found = Named(SimpleNamespace(steady=True), [])
+    found.name_wrong_parameters()
+    assert found.accepted == named
