@@ -250,7 +250,15 @@ class ByGain:
         among = list(earning) or list(evidence)
         best = min(among, key=evidence.__getitem__)
         explains = {name: explained(self.current, tried[name], tried[best]) for name in among}
-        undecided = [name for name in among if evidence[name] < evidence[best] + UNDECIDED]
+        physics = {effect.id: effect.group or effect.id for effect in self.effects}
+        # Of two laws of the same physics the plainer stands until the other is decisively better.
+        undecided = [
+            name
+            for name in among
+            if evidence[name]
+            < evidence[best]
+            + (DECISIVE if physics.get(name, name) == physics.get(best, best) else UNDECIDED)
+        ]
         # A wrong parameter has no form that could differ.
         alike = [
             name
@@ -264,7 +272,6 @@ class ByGain:
         limit = min(evidence[name] for name in simplest) + margin
         # In the catalogue's order, in which the plainest form of the same physics is first.
         first = next(name for name in simplest if evidence[name] < limit)
-        physics = {effect.id: effect.group or effect.id for effect in self.effects}
         same = physics.get(first, first)
         return next(name for name in simplest if physics.get(name, name) == same)
 

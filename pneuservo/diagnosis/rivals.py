@@ -64,11 +64,23 @@ class Rivals(Accepted):
         kept = [m for m in self.accepted if m != member]
         if self.interrupted:
             return self._in_place_of_so_far(kept)
-        rest = self.fitted(self._with(kept))
-        promises = self._promises(rest, self._compatible(kept), keep=(member,))
+        rest, forms = self.fitted(self._with(kept)), self._forms_of(member)
+        promises = self._promises(rest, self._compatible(kept), keep=forms)
         needed = explained(rest, self.chosen)
         near = within_reach(rest, promises, needed, member)
-        return rest, self._fitted_with(rest, near, needed)
+        near |= {name: promises[name] for name in forms}
+        # Forms of the same physics are told apart by less than a fit that stopped short leaves.
+        ended = {
+            name: self.ended(found.hypothesis) if name in forms else found
+            for name, found in self._fitted_with(rest, near, needed).items()
+        }
+        return rest, ended
+
+    def _forms_of(self, member: str) -> list[str]:
+        """Return a member and the other laws of the same physics, in the catalogue's order."""
+        group = {effect.id: effect.group or effect.id for effect in self.model.effects}
+        mine = group.get(member, member) if self.model.steady else member
+        return [name for name in self.candidates if group.get(name, name) == mine]
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
         """Return the same from what had been fitted when the search was interrupted."""
@@ -93,12 +105,35 @@ class Rivals(Accepted):
             best = self._better_than(member)
             if best is not None and self._fits_closer_from(self._rest(member)):
                 best = self._better_than(member)
-            if best is None:
-                continue
-            place = self.accepted.index(member)
-            self.accepted[place : place + 1] = [best.candidate] if best.candidate else []
-            self.ledger.append(Step(tuple(self.accepted), best.candidate, True, member))
+            if best is not None:
+                self._replace(member, best.candidate)
         self._drop_needless_last()
+        for member in list(self.accepted):
+            plainest = self._plainest_form_of(member)
+            if plainest != member:
+                self._replace(member, plainest)
+
+    def _replace(self, member: str, candidate: str) -> None:
+        """Put a candidate, or nothing, in the place of a member."""
+        place = self.accepted.index(member)
+        self.accepted[place : place + 1] = [candidate] if candidate else []
+        self.ledger.append(Step(tuple(self.accepted), candidate, True, member))
+
+    def _plainest_form_of(self, member: str) -> str:
+        """Return the law of the same physics that is to be named beside the others as they are now.
+
+        A less plain one may have been named while what another effect does was still left.
+        """
+        forms = self._forms_of(member)
+        if len(forms) < 2 or len(self.accepted) < 2:
+            return member
+        rest, others = self._in_place_of(member)
+        tried = {name: others[name] for name in forms}
+        judge, effective = self._judge(rest), self.chosen.effective
+        evidence = {name: found.evidence(effective) for name, found in tried.items()}
+        drop = {name: rest.evidence(effective) - value for name, value in evidence.items()}
+        earning = [name for name in forms if judge.earns(name, tried[name], drop[name])]
+        return judge.first_choice(evidence, tried, earning) if earning else member
 
     def _drop_needless_last(self) -> None:
         """Drop what was accepted last where the others do as well, begun from where it led them."""

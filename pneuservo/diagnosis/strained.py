@@ -23,7 +23,7 @@ nothing else is wrong. (Of a relay at 180 Hz that was sampled at 500 Hz nobody k
 command was: left at 1.45, three right parameters were called wrong.)"""
 MANY_WRONG = 3
 """So many parameters of one rig are hardly wrong at once: they make up for something else. (Air
-swinging faintly in hoses had moved an index and three areas of the valve out of their tolerances.)"""
+swinging faintly in hoses had moved an index and three areas out of their tolerance.)"""
 WORTH_FITTING = 3
 """So many candidates are fitted for what they promise from nominal parameters."""
 

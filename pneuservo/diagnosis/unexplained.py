@@ -203,9 +203,14 @@ def find_unexplained(
     if beside is not None or names >= MANY_NAMES or _hardly_closer(baseline, chosen):
         instead = _best(model, cases, tables, baseline, copies, jobs)
         if instead is not None:
-            by_names = explained(baseline, chosen, instead.fit)
             enough = INSTEAD_OF_MANY if names >= MANY_NAMES else INSTEAD
-            if instead.gain > enough * by_names:
+            # In noise too: what a table does not follow would count for little in its own weights.
+            weights = (instead.fit, instead.fit.in_noise)
+            gains = [
+                [explained(baseline, found, weighed) for found in (instead.fit, chosen)]
+                for weighed in weights
+            ]
+            if all(by_table > enough * by_names for by_table, by_names in gains):
                 return replace(instead, instead=True)
     return None if beside is None else replace(beside, named_gain=named)
 
