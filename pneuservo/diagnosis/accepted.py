@@ -15,6 +15,8 @@ from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.diagnosis.problem import values_in_each
+from pneuservo.effects import CATALOGUE, effect_by_id
 
 
 @dataclass
@@ -76,6 +78,20 @@ class Accepted(Hypotheses):
         """Return the sum of squares beyond noise."""
         noise = sum(len(r) * noise**2 for r, noise in zip(found.residuals, self.noise, strict=True))
         return max(0.0, found.samples * found.rms**2 - noise)
+
+    def block_of(self, member: str) -> str:
+        """Return the block of an effect, or of a loosened parameter: its id less the last part.
+
+        Parameters
+        ----------
+        member : str
+            Id of an effect, or a ``param.`` id.
+        """
+        if member not in CATALOGUE:
+            return member.removeprefix("param.").rpartition(".")[0] or self.model.block
+        chosen, first = self.chosen, self.cases[0]
+        values = values_in_each(self.cases, first, chosen.shared, chosen.own)
+        return self.model.block_of(effect_by_id(member, self.model.kind), self.cases, values)
 
     def _rest(self, member: str) -> Fit:
         """Return the fit with everything accepted but a member.

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import beyond_ridges
-from pneuservo.diagnosis.held_back import HeldBack
+from pneuservo.diagnosis.held_back import HeldBack, times_missed
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
@@ -21,8 +21,11 @@ from pneuservo.diagnosis.readings import (
     likeliest_followed,
     ranked_readings,
 )
+from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
+from pneuservo.effects import CATALOGUE
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings import Recording
@@ -80,6 +83,8 @@ class Diagnosis:
     def verdict(self) -> str:
         """Return consistent, parameter, missing-physics or unexplained."""
         accepted = self.search.accepted
+        if self.misfit is not None and self.misfit.refutes:
+            return "unexplained"
         if self.named_table or any(not member.startswith("param.") for member in accepted):
             return "missing-physics"
         if self.holds_nameless:
@@ -147,6 +152,8 @@ class Diagnosis:
             return 0.0
         if self.unexplained is not None:
             return self.unexplained.share
+        if self.misfit is not None and self.misfit.refutes:
+            return SUREST
         if self.misfit is not None:
             return self.misfit.energy / (self.misfit.energy + _named(self.search))
         if not self.structure_remains or not self.left_over.beyond_chance:
@@ -236,6 +243,8 @@ def diagnose(
             kept_out = kept_out.read_with(repaired, table)
             before = kept_out.predicted(search.baseline)
             after = kept_out.predicted(repaired, table)
+            if unexplained is None and misfit is None:
+                misfit = _not_borne_out(search, kept_out.cases, before, after)
     return Diagnosis(chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit)
 
 
@@ -272,6 +281,26 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
     if misfit is not None and misfit.energy > _named(search):
         search.give_up()
     return None, misfit
+
+
+def _not_borne_out(
+    search: Search, held_back: Sequence[Case], before: Fit, after: Fit
+) -> Misfit | None:
+    """Return that names which leave noise of what was used do not hold elsewhere, if so.
+
+    Where they leave more than noise of what was used, a second effect may be what is missing.
+    """
+    names = [name for name in search.accepted if name in CATALOGUE]
+    if not search.model.tabulates or not names or not leaves_noise(search.cases, search.chosen):
+        return None
+    times = times_missed(held_back, before, after)
+    if not times:
+        return None
+    words = (
+        f"what explains the recordings used ({', '.join(names)}) misses what was held back by "
+        f"{times:.2g} times its noise, and only stands in for it"
+    )
+    return Misfit(search.block_of(names[0]), words, 0.0, refutes=True)
 
 
 def _named(search: Search) -> float:

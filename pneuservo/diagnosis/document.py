@@ -7,7 +7,7 @@ import numpy as np
 
 from pneuservo.diagnosis.diagnosis import Diagnosis
 from pneuservo.diagnosis.fit import Fit, rms
-from pneuservo.diagnosis.guilty_blocks import block_of, located
+from pneuservo.diagnosis.guilty_blocks import located
 from pneuservo.diagnosis.judge import UNDECIDED
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Table
@@ -45,7 +45,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     """
     verdict = diagnosis.verdict
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
-    if verdict == "unexplained":
+    if verdict == "unexplained" and not missing:
         missing = [_unexplained(diagnosis, 1.0)]
     elif diagnosis.named_table is not None:
         named = _tabulated(diagnosis.named_table, SUREST)
@@ -206,7 +206,7 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
         probability |= dict.fromkeys(together, shared)
     return {
         "effect": member,
-        "block": block_of(search, member),
+        "block": search.block_of(member),
         "statement": effect.statement,
         "equation": effect.equation,
         "parameters": _parameters(search, member) | _derived(search, member),

@@ -7,9 +7,7 @@ import numpy as np
 from pneuservo.diagnosis.diagnosis import Diagnosis
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.locate import onset_in_words, regime_in_words
-from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.diagnosis.search import Search
-from pneuservo.effects import CATALOGUE, effect_by_id
 
 
 def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -44,7 +42,7 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         if words and words not in regimes.setdefault(block, []):
             regimes[block].append(words)
 
-    guilty = [block_of(search, member) for member in search.accepted]
+    guilty = [search.block_of(member) for member in search.accepted]
     if diagnosis.unexplained is not None:
         guilty.append(diagnosis.unexplained.table.block)
         fits.append(diagnosis.repaired)
@@ -89,26 +87,9 @@ def _wrong_parameters(search: Search) -> list[dict[str, Any]]:
     off = [((values[key] - rig[key]) / rig.parameters[key].tolerance) ** 2 for key in keys]
     shares: dict[str, float] = {}
     for member, size in zip(search.accepted, off, strict=True):
-        block = block_of(search, member)
+        block = search.block_of(member)
         shares[block] = shares.get(block, 0.0) + size / sum(off)
     return [
         {"block": block, "share": share, "regime": "throughout the recordings"}
         for block, share in sorted(shares.items(), key=lambda item: -item[1])
     ]
-
-
-def block_of(search: Search, member: str) -> str:
-    """Return the block of an effect, or of a loosened parameter: its id less the last part.
-
-    Parameters
-    ----------
-    search : Search
-        What was tried.
-    member : str
-        Id of an effect, or a ``param.`` id.
-    """
-    if member not in CATALOGUE:
-        return member.removeprefix("param.").rpartition(".")[0] or search.model.block
-    chosen, first = search.chosen, search.cases[0]
-    values = values_in_each(search.cases, first, chosen.shared, chosen.own)
-    return search.model.block_of(effect_by_id(member, search.model.kind), search.cases, values)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
@@ -20,6 +20,15 @@ of 20 true effects of another simulator, of 970 to 4,200, made that worse; of le
 SHOWS = 3.0**2
 """Energy of what has to change in what was held back for that to have a say: three standard
 deviations."""
+
+
+NOT_BORNE_OUT = 1.5
+"""Times its noise that a channel of what was held back is left at by a law that is not the right
+one, where it leaves no more than noise of what was used: the remanence of a motor, called a
+hysteresis, 1.9. (Of 37 blind cases none but one with twice the noise in what was used was above
+1.15.)"""
+NOT_ITS_FORM = 0.1
+"""... and the share of what it explains there: forms of laws leave half of that at most."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +120,30 @@ class HeldBack:
         with_it = with_it.in_weights({**with_it.scale, **known})
         change = with_it.weighted - with_it.weigh(without.residuals)
         return float(np.sum(change**2)) > SHOWS and explained(without, with_it) < -by
+
+
+def times_missed(cases: Sequence[Case], before: Fit, after: Fit) -> float:
+    """Return how many times its noise a law misses what was held back, if it is refuted by that.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        What was held back.
+    before, after : Fit
+        Their prediction without and with what was found.
+
+    Returns
+    -------
+    float
+        Of the channel that is missed most; 0 where all are followed, or as well as a law of
+        somewhat another form would.
+    """
+    worst = 0.0
+    for case, first, second in zip(cases, before.residuals, after.residuals, strict=True):
+        left, beyond = rms([second]), max(rms([first]) ** 2 - 1.0, 0.0)
+        if case.recorded and left**2 - 1.0 > NOT_ITS_FORM * beyond:
+            worst = max(worst, left)
+    return worst if worst > NOT_BORNE_OUT else 0.0
 
 
 def _that_repeats(found: Fit, table: Table | None) -> Fit:

@@ -110,11 +110,14 @@ class Misfit:
         What it looks like, after "nothing in the catalogue explains what is left:".
     energy : float
         Its sum of squares, in those of the noise.
+    refutes : bool, optional
+        Whether what has been named does not hold: it only stands in for what has no name.
     """
 
     block: str
     words: str
     energy: float
+    refutes: bool = False
 
 
 Levels = Mapping[tuple[int, str], float]
