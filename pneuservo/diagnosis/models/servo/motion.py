@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.rests import (
+    REST_TIME,
+    SHORT_REST,
     Likely,
     Mask,
     chatters,
+    keeps_its_place,
     rests_at_first_sight,
     settled,
-    short_rests,
 )
 from pneuservo.diagnosis.models.servo.smoother import GLIDING, smooth
 
@@ -156,10 +158,14 @@ def _where_it_rests(filtered: _Filter, chatter: Mask, interval: float) -> tuple[
     long = rests_at_first_sight(at_rest - moving, chatter, interval)
     there = np.isfinite(measured)
     closed = np.interp(time, time[there], measured[there])
-    short = short_rests(closed, variance, moving, chatter, interval)
+    short, still = (
+        keeps_its_place(closed, variance, moving, chatter, interval, over)
+        for over in (SHORT_REST, REST_TIME)
+    )
     best, most = (nowhere, RESTS[0]), float(np.sum(moving))
-    for tried in (long, long | short):
-        if tried.any():
+    # One that glides along slowly looks at rest, too: where it keeps its place, it does not glide.
+    for tried in (long, long | short, still):
+        if tried.any() and (tried is not still or best[1] == RESTS[0]):
             rest = settled(tried, likely, interval)
             way = filtered.likeliest_way(rest, change)
             # Where each begins and ends was chosen too (Schwarz 1978).

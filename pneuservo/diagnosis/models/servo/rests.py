@@ -47,10 +47,10 @@ def rests_at_first_sight(likelier: Array, chatter: Mask, interval: float) -> Mas
     return np.asarray(uniform_filter1d(likelier, width, mode="nearest") > 0.0) & ~chatter
 
 
-def short_rests(
-    reading: Array, variance: float, moving: Array, chatter: Mask, interval: float
+def keeps_its_place(
+    reading: Array, variance: float, moving: Array, chatter: Mask, interval: float, over: float
 ) -> Mask:
-    """Return where a piston keeps its place for a short time.
+    """Return where a piston keeps its place for some time.
 
     Parameters
     ----------
@@ -62,10 +62,12 @@ def short_rests(
         Logarithm of how likely each reading is while it moves throughout.
     chatter, interval
         As in `rests_at_first_sight`.
+    over : float
+        So long, `SHORT_REST` or `REST_TIME` [s].
     """
     from scipy.ndimage import binary_dilation, uniform_filter1d
 
-    width = max(2, round(SHORT_REST / interval))
+    width = max(2, round(over / interval))
     if width >= len(reading):
         return np.zeros(len(reading), dtype=np.bool_)
     beside = reading - np.mean(reading)
