@@ -130,7 +130,8 @@ def _not_predicted(channels: dict[str, Any]) -> str:
     left = quantity(channels[worst]["after"]["held_back"], channels[worst]["unit"])
     return (
         f" What was held back is not predicted as well: {left} of the {worst.replace('_', ' ')} "
-        f"are left there, {worse[worst]:.2g} times as much; something is different in it."
+        f"are left there, {worse[worst]:.2g} times as much. Something is different there, or "
+        "shows that does not in the others."
     )
 
 

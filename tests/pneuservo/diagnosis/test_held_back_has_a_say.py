@@ -1,12 +1,14 @@
 """What explains little of the recordings that are used has to explain what was held back too."""
 
 import dataclasses
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from servo_recordings import recorded
 
 from pneuservo.controllers import Proportional
-from pneuservo.diagnosis import held_back
+from pneuservo.diagnosis import diagnose, document, held_back
 from pneuservo.diagnosis.diagnosis import _prepare
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
@@ -71,3 +73,37 @@ def test_without_recordings_held_back_nothing_is_refuted(cases, search):
     model, used, _ = cases
     before, after = search.fitted(Hypothesis()), search.chosen
     assert not HeldBack(model, [], used[0]).are_predicted_worse(before, after)
+
+
+@pytest.mark.parametrize(
+    ("channel", "before", "after", "missed"),
+    [
+        ("pressure_a", 4.8, 1.9, 1.9),
+        ("pressure_a", 4.8, 1.4, 0.0),  # no more than one and a half times the noise
+        ("pressure_a", 9.0, 1.9, 0.0),  # as another form of a law leaves
+        ("displacement", 7.5, 7.5, 0.0),  # where a stop is, what was used need not have told
+    ],
+)
+def test_how_many_times_its_noise_a_law_misses_what_was_held_back(channel, before, after, missed):
+    case = SimpleNamespace(recorded=True, channel=channel)
+    left = [SimpleNamespace(residuals=[np.full(10, size)]) for size in (before, after)]
+    assert held_back.times_missed([case], *left) == pytest.approx(missed)
+
+
+def test_a_law_that_does_not_hold_elsewhere_stands_in_for_what_has_no_name():
+    sound = load_rig("single-axis")
+    used, kept_out = (
+        recorded(dataclasses.replace(sound, effects={EFFECT: {"area": area}}), Proportional(), seed)
+        for area, seed in ((1e-8, 1), (0.0, 2))
+    )
+    answer = document(diagnose([used], [kept_out]))
+    assert answer["verdict"] == "unexplained"
+    first, second = answer["missing"]
+    assert (first["effect"], first["block"]) == ("unexplained", "chamber.a")
+    assert f"({EFFECT}) misses what was held back" in first["statement"]
+    assert second["effect"] == EFFECT
+    assert second["probability"] < 0.1
+    assert [entry["block"] for entry in answer["located"]] == ["chamber.a"]
+    # What stands in for it stays in the model.
+    channel = answer["fit"]["channels"]["pressure_a"]
+    assert channel["after"]["used"] < 0.8 * channel["before"]["used"]
