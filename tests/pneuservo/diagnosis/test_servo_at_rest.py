@@ -60,6 +60,22 @@ def test_a_piston_at_rest_does_not_follow_the_wandering_zero():
     assert np.median(velocity_rms) < 5e-5
 
 
+def test_a_piston_that_was_moved_slowly_by_a_little_rests_before_and_after():
+    # Gliding all the time was likelier than moving all the time: its velocity followed the noise,
+    # which moved a pressure, and a loop that samples was read as one that does not.
+    time, rng, noise = np.arange(0.0, 10.0, 1e-3), np.random.default_rng(1), 2e-5
+    reading = noise * rng.standard_normal(len(time))
+    for start, way in ((2.5, 3e-4), (5.0, -3e-4), (7.5, 3e-4)):
+        reading += way * (1.0 - np.exp(-np.clip(time - start, 0.0, None) / 0.12))
+    driving = 0.4 * rng.standard_normal(len(time))
+    _, velocity, _, velocity_rms, rest = smooth_motion(time, reading, noise, driving, 0.4, 1.3)
+    before = slice(0, 2400)
+    assert rest[before].all()
+    assert 0.8 < rest.mean() < 0.98
+    assert np.std(velocity[before]) < 1e-5
+    assert np.max(velocity_rms[before]) < 1e-4
+
+
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(
     ("demand", "stuck", "left"),
