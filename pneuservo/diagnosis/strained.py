@@ -22,8 +22,8 @@ LEAVES_NOISE = 1.15
 nothing else is wrong. (Of a relay at 180 Hz that was sampled at 500 Hz nobody knows what its
 command was: left at 1.45, three right parameters were called wrong.)"""
 MANY_WRONG = 3
-"""So many parameters of one rig are hardly wrong at once: they make up for something else. (A loop at
-rest that was read wrongly had moved an index and three areas of the valve.)"""
+"""So many parameters of one rig are hardly wrong at once: they make up for something else. (A loop
+at rest that was read wrongly had moved an index and three areas of the valve.)"""
 WORTH_FITTING = 3
 """So many candidates are fitted for what they promise from nominal parameters."""
 
