@@ -117,6 +117,46 @@ def test_of_forms_of_the_same_physics_the_plainest_is_named(group, named):
     assert judge.first_choice({"first": 9.0, "second": 0.0}, tried, tuple(tried)) == named
 
 
+@pytest.mark.parametrize(
+    ("group", "apart", "named"),
+    [("leak", 9.0, "first"), ("leak", 11.0, "second"), ("", 9.0, "second")],
+)
+def test_of_the_same_physics_a_less_plain_form_has_to_be_decisively_better(group, apart, named):
+    effects = [SimpleNamespace(id=name, group=group, parameters=()) for name in ("first", "second")]
+    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), effects, lambda name, fit: 0.0)
+    # More is left than forms of laws leave of each other.
+    tried = {"first": leaves(20.0, 2), "second": leaves(0.0, 2)}
+    assert judge.first_choice({"first": apart, "second": 0.0}, tried, tuple(tried)) == named
+
+
+@pytest.mark.parametrize(
+    ("accepted", "named"),
+    [
+        (["leak of a", "opening of b"], ["leak of a", "leak of b"]),
+        (["opening of b"], ["opening of b"]),  # chosen with nothing else in sight
+        (["opening of b", "spring"], ["leak of b", "spring"]),
+    ],
+)
+def test_forms_are_chosen_again_beside_all_that_is_named(monkeypatch, accepted, named):
+    ids = ("leak of a", "leak of b", "opening of b", "spring")
+    effects = [SimpleNamespace(id=name, group=name[-4:], parameters=()) for name in ids]
+    monkeypatch.setattr(Search, "candidates", list(ids))
+    monkeypatch.setattr(Search, "chosen", leaves(0.0, 4))
+    monkeypatch.setattr(Search, "_better_than", lambda self, member: None)
+    monkeypatch.setattr(Search, "_drop_needless_last", lambda self: None)
+    found = Search(SimpleNamespace(steady=True, effects=effects), [], accepted=list(accepted))
+    tried = {name: SimpleNamespace(evidence=lambda worth: 0.0) for name in ids}
+    rest = SimpleNamespace(evidence=lambda worth: 100.0)
+    found._in_place_of = lambda member: (rest, tried)
+    judge = SimpleNamespace(
+        earns=lambda name, closer, drop: drop > 0.0,
+        first_choice=lambda evidence, tried, earning: next(iter(earning)),
+    )
+    found._judge = lambda current: judge
+    found._revise()
+    assert found.accepted == named
+
+
 @pytest.mark.parametrize(("apart", "named"), [(25.0, "first"), (80.0, "second")])
 def test_a_large_effect_is_not_named_by_less_than_the_simulation_is_good_for(apart, named):
     rest = leaves(5.5e6, 22)
