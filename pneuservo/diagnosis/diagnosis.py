@@ -288,13 +288,14 @@ def _not_borne_out(
 ) -> Misfit | None:
     """Return that names which leave noise of what was used do not hold elsewhere, if so.
 
-    Where they leave more than noise of what was used, a second effect may be what is missing.
+    Where they leave more than noise of what was used, a second effect may be what is missing, and
+    where another explains as much, that may be the one that holds.
     """
     names = [name for name in search.accepted if name in CATALOGUE]
     if not search.model.tabulates or not names or not leaves_noise(search.cases, search.chosen):
         return None
     times = times_missed(held_back, before, after)
-    if not times:
+    if not times or any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
         return None
     words = (
         f"what explains the recordings used ({', '.join(names)}) misses what was held back by "

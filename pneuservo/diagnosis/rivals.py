@@ -64,7 +64,7 @@ class Rivals(Accepted):
         kept = [m for m in self.accepted if m != member]
         if self.interrupted:
             return self._in_place_of_so_far(kept)
-        rest, forms = self.fitted(self._with(kept)), self._forms_of(member)
+        rest, forms = self.fitted(self._with(kept)), self.forms_of(member)
         promises = self._promises(rest, self._compatible(kept), keep=forms)
         needed = explained(rest, self.chosen)
         near = within_reach(rest, promises, needed, member)
@@ -76,8 +76,14 @@ class Rivals(Accepted):
         }
         return rest, ended
 
-    def _forms_of(self, member: str) -> list[str]:
-        """Return a member and the other laws of the same physics, in the catalogue's order."""
+    def forms_of(self, member: str) -> list[str]:
+        """Return a member and the other laws of the same physics, in the catalogue's order.
+
+        Parameters
+        ----------
+        member : str
+            Id of an effect, or a ``param.`` id, which has no other.
+        """
         group = {effect.id: effect.group or effect.id for effect in self.model.effects}
         mine = group.get(member, member) if self.model.steady else member
         return [name for name in self.candidates if group.get(name, name) == mine]
@@ -124,7 +130,7 @@ class Rivals(Accepted):
 
         A less plain one may have been named while what another effect does was still left.
         """
-        forms = self._forms_of(member)
+        forms = self.forms_of(member)
         if len(forms) < 2 or len(self.accepted) < 2:
             return member
         rest, others = self._in_place_of(member)
