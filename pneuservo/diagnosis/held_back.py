@@ -27,8 +27,8 @@ NOT_BORNE_OUT = 1.5
 one, where it leaves no more than noise of what was used: the remanence of a motor, called a
 hysteresis, 1.9. (Of 37 blind cases none but one with twice the noise in what was used was above
 1.15.)"""
-NOT_ITS_FORM = 0.1
-"""... and the share of what it explains there: forms of laws leave half of that at most."""
+NOT_ITS_FORM = 0.05
+"""... and the share of what is there without it: forms of laws leave that at most."""
 _PLACE = "displacement"
 """A piston that lies at a stop reads where that is, which what was used may not have told."""
 
