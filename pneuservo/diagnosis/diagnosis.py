@@ -43,6 +43,9 @@ COLOURED = 0.2
 """A residual worth fewer than this share of its samples is coloured."""
 
 
+_MORE = "something without a name explains more"
+
+
 @dataclass(frozen=True)
 class Diagnosis:
     """What was found; `document` makes the answer of it.
@@ -276,10 +279,10 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
             found = None
     if found is not None and (misfit is None or found.gain > misfit.energy):
         if found.instead:
-            search.give_up()
+            search.give_up(_MORE)
         return found, None
     if misfit is not None and misfit.energy > _named(search):
-        search.give_up()
+        search.give_up(_MORE)
     return None, misfit
 
 

@@ -250,14 +250,12 @@ class ByGain:
         among = list(earning) or list(evidence)
         best = min(among, key=evidence.__getitem__)
         explains = {name: explained(self.current, tried[name], tried[best]) for name in among}
-        physics = {effect.id: effect.group or effect.id for effect in self.effects}
         # Of two laws of the same physics the plainer stands until the other is decisively better.
+        forms = same_physics(self.effects, best)
         undecided = [
             name
             for name in among
-            if evidence[name]
-            < evidence[best]
-            + (DECISIVE if physics.get(name, name) == physics.get(best, best) else UNDECIDED)
+            if evidence[name] < evidence[best] + (DECISIVE if name in forms else UNDECIDED)
         ]
         # A wrong parameter has no form that could differ.
         alike = [
@@ -272,8 +270,8 @@ class ByGain:
         limit = min(evidence[name] for name in simplest) + margin
         # In the catalogue's order, in which the plainest form of the same physics is first.
         first = next(name for name in simplest if evidence[name] < limit)
-        same = physics.get(first, first)
-        return next(name for name in simplest if physics.get(name, name) == same)
+        same = same_physics(self.effects, first)
+        return next(name for name in simplest if name in same)
 
     def share(self, closer: Fit) -> float:
         """Return the share of all that is explained so far, or half of that in one channel.
@@ -311,6 +309,42 @@ class ByGain:
             return True
         ends = [v in {p.low, p.high} - {p.neutral} for p, v in values]
         return len(ends) > 1 and all(ends)
+
+
+def same_physics(effects: Sequence[Effect], name: str) -> set[str]:
+    """Return the ids of an effect and of the other laws of the same physics.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+        Of the rig.
+    name : str
+        Effect id, or ``param.`` and the id of a parameter, which stands alone.
+    """
+    group = next((effect.group for effect in effects if effect.id == name), "")
+    return {name} | {effect.id for effect in effects if group and effect.group == group}
+
+
+def weighed(
+    judge: Judge, current: Fit, tried: Mapping[str, Fit], effective: Mapping[str, float]
+) -> tuple[dict[str, float], dict[str, float], list[str]]:
+    """Return the criterion of each candidate, by how much it falls with it, and who earns a place.
+
+    Parameters
+    ----------
+    judge : Judge
+        Of additions to the current fit.
+    current : Fit
+        What is added to.
+    tried : mapping of str to Fit
+        With each candidate.
+    effective : mapping of str to float
+        What the samples of each channel are worth.
+    """
+    evidence = {name: found.evidence(effective) for name, found in tried.items()}
+    before = current.evidence(effective)
+    drop = {name: before - value for name, value in evidence.items()}
+    return evidence, drop, [name for name in tried if judge.earns(name, tried[name], drop[name])]
 
 
 def is_impossible(name: str, found: Fit) -> bool:

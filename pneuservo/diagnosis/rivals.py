@@ -7,7 +7,15 @@ from pneuservo.diagnosis.accepted import Accepted
 from pneuservo.diagnosis.controls import chance_gain
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
-from pneuservo.diagnosis.judge import AS_GOOD, SECOND_SHARE, TIED, gain, is_impossible
+from pneuservo.diagnosis.judge import (
+    AS_GOOD,
+    SECOND_SHARE,
+    TIED,
+    gain,
+    is_impossible,
+    same_physics,
+    weighed,
+)
 from pneuservo.diagnosis.ledger import Rival, Step, probabilities
 from pneuservo.diagnosis.screen import within_reach
 
@@ -84,9 +92,8 @@ class Rivals(Accepted):
         member : str
             Id of an effect, or a ``param.`` id, which has no other.
         """
-        group = {effect.id: effect.group or effect.id for effect in self.model.effects}
-        mine = group.get(member, member) if self.model.steady else member
-        return [name for name in self.candidates if group.get(name, name) == mine]
+        forms = same_physics(self.model.effects, member) if self.model.steady else {member}
+        return [name for name in self.candidates if name in forms]
 
     def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
         """Return the same from what had been fitted when the search was interrupted."""
@@ -135,10 +142,8 @@ class Rivals(Accepted):
             return member
         rest, others = self._in_place_of(member)
         tried = {name: others[name] for name in forms}
-        judge, effective = self._judge(rest), self.chosen.effective
-        evidence = {name: found.evidence(effective) for name, found in tried.items()}
-        drop = {name: rest.evidence(effective) - value for name, value in evidence.items()}
-        earning = [name for name in forms if judge.earns(name, tried[name], drop[name])]
+        judge = self._judge(rest)
+        evidence, _, earning = weighed(judge, rest, tried, self.chosen.effective)
         return judge.first_choice(evidence, tried, earning) if earning else member
 
     def _drop_needless_last(self) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import DECISIVE, LARGE_SHARE_OF_REST, is_impossible
+from pneuservo.diagnosis.judge import DECISIVE, LARGE_SHARE_OF_REST, is_impossible, weighed
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
@@ -121,16 +121,19 @@ class Search(Rivals):
             return
         while wrong := out_of_tolerance(self.chosen):
             current, name = self.chosen, f"param.{wrong[0]}"
-            free = self.ended(current.hypothesis.adding(name))
-            many = len(self.accepted) + 1 >= MANY_WRONG
-            if many or is_impossible(name, free) or not leaves_noise(self.cases, free):
-                for member in self.accepted[::-1]:
-                    self._drop(member, f"{name} had to go too: they make up for something else")
+            if len(self.accepted) + 1 >= MANY_WRONG or not self._may_be_wrong(name):
+                self.give_up(f"{name} had to go too: they make up for something else")
                 break
+            free = self.ended(current.hypothesis.adding(name))
             self.accepted.append(name)
             drop = current.evidence(free.effective) - free.evidence(free.effective)
             step = Step(current.hypothesis.members, name, True, evidence_drop=drop, share=0.0)
             self.ledger.append(step)
+
+    def _may_be_wrong(self, name: str) -> bool:
+        """Return whether setting a parameter free leaves it possible, and noise."""
+        free = self.ended(self.chosen.hypothesis.adding(name))
+        return not is_impossible(name, free) and leaves_noise(self.cases, free)
 
     def drop_refuted(self, held_back: HeldBack) -> None:
         """Drop what recordings that were held back speak against, the last that was added first.
@@ -164,10 +167,16 @@ class Search(Rivals):
                 self.model, self.cases, chosen, keys, rise, self._at_a_time
             )
 
-    def give_up(self) -> None:
-        """Drop every name: something without one explains the recordings better."""
+    def give_up(self, why: str) -> None:
+        """Drop every name.
+
+        Parameters
+        ----------
+        why : str
+            As the report says it.
+        """
         for member in list(self.accepted):
-            self._drop(member, "something without a name explains more")
+            self._drop(member, why)
 
     @property
     def _worth_going_on(self) -> bool:
@@ -217,9 +226,7 @@ class Search(Rivals):
             return None
         tried = self._best_ended(current, tried, judge)
         effective = min(tried.values(), key=lambda f: f.rms).effective
-        evidence = {name: f.evidence(effective) for name, f in tried.items()}
-        drop = {name: current.evidence(effective) - value for name, value in evidence.items()}
-        earning = [name for name in tried if judge.earns(name, tried[name], drop[name])]
+        evidence, drop, earning = weighed(judge, current, tried, effective)
         name = judge.first_choice(evidence, tried, earning)
         self.ledger.append(
             Step(

@@ -78,6 +78,7 @@ def headline(answer: dict[str, Any]) -> str:
 
 
 def _answered(answer: dict[str, Any]) -> str:
+    """Return the answer in one sentence."""
     channel, fit = _most_improved(answer["fit"]["channels"])
     name, unit = channel.replace("_", " "), fit["unit"]
     before, after = fit["before"]["used"], fit["after"]["used"]
