@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pneuservo.diagnosis.bent_laws import bendable, explained_beyond
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypotheses import Hypotheses
@@ -42,6 +43,7 @@ class Accepted(Hypotheses):
     ledger: list[Step] = field(default_factory=list)
     interrupted: bool = False
     _rests: dict[Hypothesis, Array] = field(default_factory=dict)
+    _bent: tuple[Fit, Fit] | None = None
 
     @property
     def chosen(self) -> Fit:
@@ -109,8 +111,7 @@ class Accepted(Hypotheses):
         self._rests[hypothesis] = chosen.vector
         again = fit(self.model, self.cases, hypothesis, chosen)
         if explained(found, again) > DECISIVE:
-            self.fits[hypothesis] = again
-            self._ended.discard(hypothesis)
+            self._replace_fit(hypothesis, again)
         return self.fits[hypothesis]
 
     def _with(self, members: Sequence[str]) -> Hypothesis:
@@ -138,9 +139,16 @@ class Accepted(Hypotheses):
                 self.baseline,
                 self.model.effects,
                 lambda name, closer: self.pretence.of(name, current, closer),
+                lambda closer: explained_beyond(self._bendable(current), closer),
             )
         found = (self._unexplained(self.baseline), self._unexplained(current))
         return ByEvidence(current, self.candidates, *found)
+
+    def _bendable(self, current: Fit) -> Fit:
+        """Return a fit that would absorb what its effects change, bent; worked out once."""
+        if self._bent is None or self._bent[0] is not current:
+            self._bent = current, bendable(self.model, self.cases, current)
+        return self._bent[1]
 
     def _drop(self, member: str, why: str) -> None:
         self.accepted.remove(member)

@@ -25,6 +25,8 @@ SMALLEST_SHARE = 0.02
 SECOND_SHARE = 0.05
 """Share that an effect beside another has to account for where forms of laws are compared that
 differ from the real ones: they leave up to 5 % of an effect (section 5 of the method notes)."""
+ELSEWHERE = 0.5
+"""... unless so much of what it explains, and twice the least gain, no bent law would explain."""
 _ONE_CHANNEL = 0.5
 AS_GOOD = 0.1**2
 """Share by which the simplest effect may fall behind the best and still be named first: the energy
@@ -42,6 +44,7 @@ of those that gained more than 20 reached 3 times."""
 LEAST_GAIN = 50.0
 """... and lower the weighted sum of squares by this, a signature of seven standard deviations: the
 most that was gained in those pairs by more than twice what imitations pretend was 37."""
+LEAST_ELSEWHERE = 2.0 * LEAST_GAIN
 
 TABLE_LIKE = 3
 """A law with so many sizes of either sign is a table by another name: each of them has to lower the
@@ -203,27 +206,33 @@ class ByGain:
     pretended : callable
         Takes a candidate and the fit with it, and returns what it seems to gain where there is
         nothing.
+    elsewhere : callable
+        Takes the fit with a candidate, and returns what it explains that no other form of what has
+        been found would.
     """
 
     current: Fit
     baseline: Fit
     effects: Sequence[Effect]
     pretended: Callable[[str, Fit], float]
+    elsewhere: Callable[[Fit], float]
 
     def earns(self, name: str, closer: Fit, drop: float) -> bool:
         """Return whether a candidate explains more than chance, imitations and form would."""
-        explains = drop
         if self.barred(name, closer):
             return False
+        explains, least = drop, self.least(name)
         if not name.startswith("param."):
             if drop <= DECISIVE:
                 return False
+            explains = explained(self.current, closer)
             # Where the named law and the real one differ in form a little is always left.
             first = not self.current.hypothesis.members
-            if not first and self.share(closer) <= SECOND_SHARE:
-                return False
-            explains = explained(self.current, closer)
-        return explains > max(self.least(name), OVER_IMITATIONS * self.pretended(name, closer))
+            if not first and (self.share(closer) <= SECOND_SHARE or explains <= least):
+                least = LEAST_ELSEWHERE * self._sizes(name)
+                if self.elsewhere(closer) <= max(least, ELSEWHERE * explains):
+                    return False
+        return explains > max(least, OVER_IMITATIONS * self.pretended(name, closer))
 
     def least(self, name: str) -> float:
         """Return what no noise explains, or what the form of the laws found so far leaves."""

@@ -102,6 +102,17 @@ class Pretence:
                 self._model, self._cases, found, self._jobs
             )
 
+    def forget(self, hypothesis: Hypothesis) -> None:
+        """Forget what was worked out beside a fit that another one has taken the place of.
+
+        Parameters
+        ----------
+        hypothesis : Hypothesis
+            That was fitted.
+        """
+        for known in (self._imitations, self._visible, self._anew):
+            known.pop(hypothesis, None)
+
     def copies(self, fitted: Fit) -> list[Array]:
         """Return what a fit leaves of recordings that its own rig has made.
 

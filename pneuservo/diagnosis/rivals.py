@@ -175,7 +175,7 @@ class Rivals(Accepted):
         again = fit(self.model, self.cases, self.chosen.hypothesis, rest)
         closer = explained(self.chosen, again) > 0.0
         if closer:
-            self.fits[again.hypothesis] = again
+            self._replace_fit(again.hypothesis, again)
         return closer
 
     def _margin(self, member: str) -> float:

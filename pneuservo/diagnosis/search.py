@@ -1,17 +1,23 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import DECISIVE, LARGE_SHARE_OF_REST, is_impossible, weighed
+from pneuservo.diagnosis.judge import (
+    DECISIVE,
+    LARGE_SHARE_OF_REST,
+    LEAST_ELSEWHERE,
+    is_impossible,
+    weighed,
+)
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
-from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count
+from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count, scores
 from pneuservo.diagnosis.strained import MANY_WRONG, leaves_noise, out_of_tolerance
 
 MOST_EFFECTS = 3
@@ -58,10 +64,14 @@ class Search(Rivals):
         if self.interrupted:
             return
         with self._kept_when_interrupted():
+            settled: set[frozenset[str]] = set()
             # What was tried in vain would only be tried again.
-            if self.accepted or not self.ledger:
+            while self.accepted or not self.ledger:
                 self._add(MOST_EFFECTS)
-            self._drop_chance()
+                if not self._drop_chance() or frozenset(self.accepted) in settled:
+                    break
+                # Where one had to go the others may do its work, and leave room for another.
+                settled.add(frozenset(self.accepted))
 
     @contextmanager
     def _kept_when_interrupted(self) -> Iterator[None]:
@@ -94,12 +104,13 @@ class Search(Rivals):
                 break
             self._revise()
 
-    def _drop_chance(self) -> None:
-        """Drop what chance explains.
+    def _drop_chance(self) -> bool:
+        """Drop what chance explains; return whether something was.
 
         Chance is judged last, by what the final model leaves: while a second effect is still in
         the residual, it would pass for noise and shield the first.
         """
+        before = len(self.accepted)
         while self.accepted:
             self.over_chance = {
                 member: self._gain_over_chance(member)
@@ -110,6 +121,7 @@ class Search(Rivals):
             if not weakest or self.over_chance[weakest] > 1.0:
                 break
             self._drop(weakest, "chance explains as much")
+        return len(self.accepted) < before
 
     def name_wrong_parameters(self) -> None:
         """Name parameters that are out of their tolerance, where nothing else was found.
@@ -208,6 +220,14 @@ class Search(Rivals):
         self.ledger.append(Step((alone,), name, earned, evidence_drop=drop, share=share, rms=rms))
         return (alone, name) if earned else None
 
+    def _promised_elsewhere(self, current: Fit, names: Sequence[str]) -> Mapping[str, float]:
+        """Return what effects promise that no other form of what has been found would explain."""
+        if not self.model.steady or not current.hypothesis.effects:
+            return {}
+        effects = [name for name in names if not name.startswith("param.")]
+        signatures = self.pretence.signatures_beside(current)
+        return scores(self._bendable(current), signatures, effects, self._one_sided)
+
     def _best_addition(self) -> str | None:
         current = self.chosen
         judge = self._judge(current)
@@ -216,10 +236,12 @@ class Search(Rivals):
             self.pretence.work_out_beside(current)
         promises = self._promises(current, names)
         if promises_count(current):
+            elsewhere = self._promised_elsewhere(current, list(promises))
             promises = {
                 name: promise
                 for name, promise in promises.items()
                 if MOST_OVER_PROMISE * promise > judge.least(name)
+                or MOST_OVER_PROMISE * elsewhere.get(name, 0.0) > LEAST_ELSEWHERE
             }
         tried = self._best_fitted(current, names, promises, judge.barred)
         if not tried:

@@ -32,7 +32,7 @@ def left(**rms):
 
 
 def share(baseline, current, closer):
-    return ByGain(current, baseline, (), lambda name, fit: 0.0).share(closer)
+    return ByGain(current, baseline, (), lambda name, fit: 0.0, lambda fit: 0.0).share(closer)
 
 
 def test_what_the_form_of_a_large_effect_leaves_earns_no_second_place():
@@ -71,7 +71,7 @@ def test_an_effect_at_the_ends_of_all_its_ranges_is_another(frequency, is_itself
     values = {"share": 0.4, "frequency": frequency, "damping": 0.3}
     assert all(v <= p.high for p, v in zip(mode.parameters, values.values(), strict=True))
     fit = SimpleNamespace(shared={mode.key(name): value for name, value in values.items()})
-    judge = ByGain(fit, fit, [mode], lambda name, fit: 0.0)
+    judge = ByGain(fit, fit, [mode], lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge._is_not_itself(mode.id, fit) is not is_itself
 
 
@@ -103,7 +103,7 @@ def leaves(energy, unknowns):
 )
 def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over, unknowns, named):
     names = ("first", "second")
-    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), (), lambda name, fit: 0.0)
+    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), (), lambda name, fit: 0.0, lambda fit: 0.0)
     tried = {n: leaves(e, u) for n, e, u in zip(names, left_over, unknowns, strict=True)}
     found = judge.first_choice(dict(zip(names, evidence, strict=True)), tried, names)
     assert found == named
@@ -112,7 +112,9 @@ def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over
 @pytest.mark.parametrize(("group", "named"), [("leak", "first"), ("", "second")])
 def test_of_forms_of_the_same_physics_the_plainest_is_named(group, named):
     effects = [SimpleNamespace(id=name, group=group, parameters=()) for name in ("first", "second")]
-    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), effects, lambda name, fit: 0.0)
+    judge = ByGain(
+        leaves(1000.0, 0), leaves(1000.0, 0), effects, lambda name, fit: 0.0, lambda fit: 0.0
+    )
     tried = {"first": leaves(9.0, 2), "second": leaves(0.0, 2)}
     assert judge.first_choice({"first": 9.0, "second": 0.0}, tried, tuple(tried)) == named
 
@@ -123,7 +125,9 @@ def test_of_forms_of_the_same_physics_the_plainest_is_named(group, named):
 )
 def test_of_the_same_physics_a_less_plain_form_has_to_be_decisively_better(group, apart, named):
     effects = [SimpleNamespace(id=name, group=group, parameters=()) for name in ("first", "second")]
-    judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), effects, lambda name, fit: 0.0)
+    judge = ByGain(
+        leaves(1000.0, 0), leaves(1000.0, 0), effects, lambda name, fit: 0.0, lambda fit: 0.0
+    )
     # More is left than forms of laws leave of each other.
     tried = {"first": leaves(20.0, 2), "second": leaves(0.0, 2)}
     assert judge.first_choice({"first": apart, "second": 0.0}, tried, tuple(tried)) == named
@@ -160,7 +164,7 @@ def test_forms_are_chosen_again_beside_all_that_is_named(monkeypatch, accepted, 
 @pytest.mark.parametrize(("apart", "named"), [(25.0, "first"), (80.0, "second")])
 def test_a_large_effect_is_not_named_by_less_than_the_simulation_is_good_for(apart, named):
     rest = leaves(5.5e6, 22)
-    judge = ByGain(rest, rest, (), lambda name, fit: 0.0)
+    judge = ByGain(rest, rest, (), lambda name, fit: 0.0, lambda fit: 0.0)
     tried = {"first": leaves(apart, 24), "second": leaves(0.0, 24)}
     assert judge.first_choice({"first": apart, "second": 0.0}, tried, tuple(tried)) == named
 
@@ -169,7 +173,7 @@ def test_a_large_effect_is_not_named_by_less_than_the_simulation_is_good_for(apa
 def test_what_the_form_of_an_effect_leaves_makes_no_parameter_wrong(found_before, earns):
     current = leaves(1000.0, 24)
     baseline = leaves(1000.0 + found_before, 23)
-    judge = ByGain(current, baseline, (), lambda name, fit: 0.0)
+    judge = ByGain(current, baseline, (), lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge.earns("param.piston.stroke", leaves(960.0, 24), 40.0) == earns
 
 
@@ -186,14 +190,14 @@ def test_a_parameter_is_not_wrong_by_what_it_cannot_be(parameter, interval, earn
     current, closer = leaves(1000.0, 24), leaves(960.0, 24)
     current.hypothesis = SimpleNamespace(effects=set())
     closer.intervals = {parameter: interval}
-    judge = ByGain(current, current, (), lambda name, fit: 0.0)
+    judge = ByGain(current, current, (), lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge.earns(f"param.{parameter}", closer, 40.0) == earns
 
 
 def test_where_no_motion_is_judged_a_parameter_has_to_explain_as_much_as_an_effect():
     current, closer = leaves(1000.0, 24), leaves(960.0, 24)
     current.hypothesis = SimpleNamespace(effects=set())
-    judge = ByGain(current, current, (), lambda name, fit: 0.0)
+    judge = ByGain(current, current, (), lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge.earns("param.chamber.a.dead_volume", closer, 40.0)
     current.effective = {"pressure_a": SAMPLES}
     assert not judge.earns("param.chamber.a.dead_volume", closer, 40.0)
@@ -206,7 +210,7 @@ def test_what_only_relieves_strained_parameters_is_no_effect(strained, earns):
     current, closer = leaves(1000.0 - strained, 24), leaves(900.0, 25)
     current.penalty, current.hypothesis = strained, SimpleNamespace(effects=set(), members=())
     closer.shared = {delay.key(p.name): p.starts[0] for p in delay.parameters}
-    judge = ByGain(current, current, [delay], lambda name, fit: 0.0)
+    judge = ByGain(current, current, [delay], lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge.earns(delay.id, closer, 100.0) == earns
 
 
@@ -218,7 +222,7 @@ def test_what_only_relieves_strained_parameters_is_no_effect(strained, earns):
 def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, mass):
     current, baseline = leaves(1000.0, 24), leaves(11_000.0, 24)
     current.hypothesis = SimpleNamespace(effects=effects)
-    judge = ByGain(current, baseline, (), lambda name, fit: 0.0)
+    judge = ByGain(current, baseline, (), lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge.least("load.spring") == pytest.approx(spring)
     assert judge.least("param.load.mass") == pytest.approx(mass)
     # No candidate gains more than three times what it promised.
@@ -227,6 +231,7 @@ def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, 
     search.fits[Hypothesis()] = current
     monkeypatch.setattr(search_module, "promises_count", lambda base: True)
     monkeypatch.setattr(Search, "_judge", lambda self, fit: judge)
+    monkeypatch.setattr(Search, "_promised_elsewhere", lambda self, fit, names: {})
     monkeypatch.setattr(Search, "_compatible", lambda self, accepted: list(promises))
     monkeypatch.setattr(Search, "_promises", lambda self, base, names: promises)
     monkeypatch.setattr(
@@ -377,5 +382,33 @@ def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained
 )
 def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
     fit = leaves(1000.0, 0)
-    judge = ByGain(fit, fit, effects_of("single-axis"), lambda name, fit: 0.0)
+    judge = ByGain(fit, fit, effects_of("single-axis"), lambda name, fit: 0.0, lambda fit: 0.0)
     assert judge.least(effect) == pytest.approx(sizes * LEAST_GAIN)
+
+
+@pytest.mark.parametrize(
+    ("more", "elsewhere", "earns"),
+    [
+        (300.0, 0.0, False),
+        (300.0, 140.0, False),
+        (300.0, 160.0, True),
+        (90.0, 90.0, False),
+        (900.0, 0.0, True),
+    ],
+    ids=[
+        "where the first acts",
+        "mostly there",
+        "elsewhere",
+        "too little",
+        "more than forms leave",
+    ],
+)
+def test_what_acts_elsewhere_has_a_place_beside_a_large_effect(monkeypatch, more, elsewhere, earns):
+    spring = effect_by_id("load.spring", "single-axis")
+    baseline, current = leaves(18_000.0, 24), leaves(3000.0, 24)
+    closer = leaves(3000.0 - more, 25)
+    current.hypothesis = SimpleNamespace(effects={"first"}, members=("first",))
+    closer.shared = {spring.key(p.name): p.starts[0] for p in spring.parameters}
+    judge = ByGain(current, baseline, [spring], lambda name, fit: 0.0, lambda fit: elsewhere)
+    monkeypatch.setattr(ByGain, "share", lambda self, closer: more / 15_000.0)
+    assert judge.earns(spring.id, closer, more) == earns

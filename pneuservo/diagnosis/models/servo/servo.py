@@ -61,11 +61,12 @@ from pneuservo.diagnosis.models.servo.run_observer import (
 from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
-from pneuservo.diagnosis.models.servo.tables import tables_of
+from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
 from pneuservo.diagnosis.models.servo.trust import steadily, unsure
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
+from pneuservo.plant.servo.unexplained_effects import QUANTITIES
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
@@ -345,6 +346,12 @@ class ServoModel(Model):
                 replace(case, measured=reading / case.scale, inputs={**case.inputs, "feed": copy})
             )
         return found
+
+    def regressors(self, case: Case) -> dict[str, Array]:
+        """Return motion, pressures, opening and time."""
+        recorded = zip(QUANTITIES, quantities_of(case.inputs["feed"], case.rig), strict=True)
+        # A displacement in one direction is the same one.
+        return {name: values for name, values in recorded if " while " not in name}
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by motion, place, opening, pressure ratio and time."""

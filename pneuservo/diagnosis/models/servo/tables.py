@@ -54,7 +54,7 @@ def tables_of(cases: Sequence[Case]) -> list[Table]:
         Between what was nearly the lowest and the highest of each quantity.
     """
     feeds: dict[int, tuple[Feed, Rig]] = {id(c.recording): (c.inputs["feed"], c.rig) for c in cases}
-    recorded = [_quantities(fed, rig) for fed, rig in feeds.values()]
+    recorded = [quantities_of(fed, rig) for fed, rig in feeds.values()]
     wander = _WANDER * max(fed.spread_of_force for fed, _ in feeds.values())
     found = []
     for over, (quantity, unit) in enumerate(zip(QUANTITIES, _UNITS, strict=True)):
@@ -121,8 +121,16 @@ def _block(effect: Effect, quantity: str) -> str:
     return effect.block if quantity.startswith(_OF_THE_PISTON) else "valve.flow"
 
 
-def _quantities(fed: Feed, rig: Rig) -> list[Array]:
-    """Return the quantities that a table may be over, in their order."""
+def quantities_of(fed: Feed, rig: Rig) -> list[Array]:
+    """Return the quantities that a table may be over, in the order of `QUANTITIES`.
+
+    Parameters
+    ----------
+    fed : Feed
+        The recording.
+    rig : Rig
+        The rig it was taken on.
+    """
     displacement, velocity, _ = fed.motion
     pressure_a, pressure_b = fed.pressures
     opening = np.clip(fed.voltage / rig["valve.full_voltage"], -1.0, 1.0)
