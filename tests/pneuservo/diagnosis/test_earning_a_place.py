@@ -392,7 +392,7 @@ def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
         (300.0, 0.0, False),
         (300.0, 140.0, False),
         (300.0, 160.0, True),
-        (90.0, 90.0, False),
+        (140.0, 140.0, False),
         (900.0, 0.0, True),
     ],
     ids=[
