@@ -235,6 +235,7 @@ def diagnose(
         kept_out = HeldBack(model, held_back, search.cases[0])
         unexplained = misfit = None
         if not search.interrupted:
+            search.name_what_relieves(kept_out)
             search.name_wrong_parameters()
             search.drop_refuted(kept_out)
             search.profile()

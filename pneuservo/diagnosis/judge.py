@@ -44,9 +44,13 @@ of those that gained more than 20 reached 3 times."""
 LEAST_GAIN = 50.0
 """... and lower the weighted sum of squares by this, a signature of seven standard deviations: the
 most that was gained in those pairs by more than twice what imitations pretend was 37."""
+FORM = 0.05**2
+"""Share of what effects explain that a fit may lose where the real law may differ in form: sizes of
+two laws for one effect then mean the same to a twentieth."""
 LEAST_ELSEWHERE = 3.0 * LEAST_GAIN
-"""What it has to explain so where forms leave as much as it explains: of what was missing beside
-large effects of another simulator the largest false one reached 102, the least true one 228."""
+"""What an effect beside others has to explain, and that share of what they do, where no form of
+theirs would explain it: of 20 false ones beside large effects of another simulator the most was
+102, and 148 where 100,000 had been explained; true ones were 228 of 64,000, 6,800 and 8,200."""
 
 TABLE_LIKE = 3
 """A law with so many sizes of either sign is a table by another name: each of them has to lower the
@@ -86,6 +90,15 @@ class Judge(Protocol):
 
     def barred(self, name: str, closer: Fit) -> bool:
         """Return whether a candidate is not to be named whatever it explains.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
+        """
+
+    def only_relieves(self, name: str, closer: Fit) -> bool:
+        """Return whether a candidate is barred for nothing but that it relieves parameters.
 
         Parameters
         ----------
@@ -180,6 +193,10 @@ class ByEvidence:
         """Return that no candidate is."""
         return False
 
+    def only_relieves(self, name: str, closer: Fit) -> bool:
+        """Return that no candidate does."""
+        return False
+
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
@@ -231,7 +248,7 @@ class ByGain:
             # Where the named law and the real one differ in form a little is always left.
             first = not self.current.hypothesis.members
             if not first and (self.share(closer) <= SECOND_SHARE or explains <= least):
-                least = LEAST_ELSEWHERE * self._sizes(name)
+                least = self._least_elsewhere(name)
                 if self.elsewhere(closer) <= max(least, ELSEWHERE * explains):
                     return False
         return explains > max(least, OVER_IMITATIONS * self.pretended(name, closer))
@@ -246,6 +263,11 @@ class ByGain:
             return least
         # It pulls at parameters, and at channels where little else shows, too.
         return max(least, AS_GOOD * explained(self.baseline, self.current))
+
+    def _least_elsewhere(self, name: str) -> float:
+        """Return what an effect has to explain that no form of what was found would."""
+        found = FORM * explained(self.baseline, self.current)
+        return max(LEAST_ELSEWHERE * self._sizes(name), found)
 
     def _sizes(self, name: str) -> int:
         """Return how many sizes have to be earned: 1 but for a law that is like a table."""
@@ -303,9 +325,24 @@ class ByGain:
         """Return whether a candidate is impossible, not itself or mostly relief."""
         if name.startswith("param."):
             return is_impossible(name, closer)
+        return self._relieves(closer) or self._is_not_itself(name, closer)
+
+    def only_relieves(self, name: str, closer: Fit) -> bool:
+        """Return whether an effect is not to be named for nothing but that it is mostly relief.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
+        """
+        explains = explained(self.current, closer)
+        enough = explains > max(self.least(name), OVER_IMITATIONS * self.pretended(name, closer))
+        return enough and self._relieves(closer) and not self._is_not_itself(name, closer)
+
+    def _relieves(self, closer: Fit) -> bool:
+        """Return whether most of a gain is relief of strained parameters."""
         relief = self.current.penalty - closer.penalty
-        mostly = relief > MOST_RELIEF * max(explained(self.current, closer), 0.0)
-        return mostly or self._is_not_itself(name, closer)
+        return relief > MOST_RELIEF * max(explained(self.current, closer), 0.0)
 
     def _is_not_itself(self, name: str, found: Fit) -> bool:
         """Return whether an effect came out as real parts never show it.

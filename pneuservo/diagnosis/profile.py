@@ -13,9 +13,6 @@ from pneuservo.diagnosis.side_by_side import side_by_side
 
 RISE = 3.841
 """Rise of the weighted sum of squares at the ends of a 95 % interval (chi-square, one value)."""
-FORM = 0.05**2
-"""Share of what an effect explains by which the fit may get worse besides, where the real law may
-differ in form: sizes of two laws for one effect then mean the same to a twentieth."""
 _NEARLY = 0.05
 """Share of that rise within which an end is known well enough."""
 _MOST_TRIALS = 6

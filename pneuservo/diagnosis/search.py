@@ -9,16 +9,19 @@ from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
     DECISIVE,
+    FORM,
     LARGE_SHARE_OF_REST,
     LEAST_ELSEWHERE,
+    LEAST_GAIN,
     is_impossible,
     weighed,
 )
 from pneuservo.diagnosis.ledger import Step
-from pneuservo.diagnosis.profile import FORM, RISE, with_profiles
+from pneuservo.diagnosis.profile import RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count, scores
-from pneuservo.diagnosis.strained import MANY_WRONG, leaves_noise, out_of_tolerance
+from pneuservo.diagnosis.strained import MANY_WRONG, is_strained, leaves_noise, out_of_tolerance
+from pneuservo.effects import CATALOGUE
 
 MOST_EFFECTS = 3
 
@@ -146,6 +149,37 @@ class Search(Rivals):
         """Return whether setting a parameter free leaves it possible, and noise."""
         free = self.ended(self.chosen.hypothesis.adding(name))
         return not is_impossible(name, free) and leaves_noise(self.cases, free)
+
+    def name_what_relieves(self, held_back: HeldBack) -> None:
+        """Name an effect that mostly relieves strained parameters where what was held back says so.
+
+        What strained them may be any of them. Where it is an effect that was absorbed they are
+        wrong elsewhere, and it explains that, too.
+
+        Parameters
+        ----------
+        held_back : HeldBack
+            None of them may have been fitted to.
+        """
+        if not held_back.cases or not is_strained(self.baseline):
+            return
+        judge, chosen = self._judge(self.baseline), self.chosen
+        alone = {name: self.fits.get(self._with([name])) for name in self.candidates}
+        gains = {
+            name: explained(chosen, found)
+            for name, found in alone.items()
+            if found is not None and name in CATALOGUE and judge.only_relieves(name, found)
+        }
+        best = max(gains, key=gains.__getitem__, default="")
+        if gains.get(best, 0.0) <= LEAST_GAIN:
+            return
+        self.progress(f"asking what was held back about {best}")
+        found = self.ended(self._with([best]))
+        if held_back.are_predicted_worse(found, chosen, LEAST_GAIN):
+            self.give_up(f"what was held back is predicted far better with {best}")
+            drop = self.baseline.evidence(found.effective) - found.evidence(found.effective)
+            self.accepted.append(best)
+            self.ledger.append(Step((), best, True, evidence_drop=drop, share=judge.share(found)))
 
     def drop_refuted(self, held_back: HeldBack) -> None:
         """Drop what recordings that were held back speak against, the last that was added first.
