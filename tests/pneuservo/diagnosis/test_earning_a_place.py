@@ -387,28 +387,33 @@ def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
 
 
 @pytest.mark.parametrize(
-    ("more", "elsewhere", "earns"),
+    ("more", "elsewhere", "noise", "earns"),
     [
-        (300.0, 0.0, False),
-        (300.0, 140.0, False),
-        (300.0, 160.0, True),
-        (140.0, 140.0, False),
-        (900.0, 0.0, True),
+        (300.0, 0.0, 1.0, False),
+        (320.0, 155.0, 1.0, False),
+        (300.0, 160.0, 1.0, True),
+        (300.0, 160.0, 1.13, False),
+        (140.0, 140.0, 1.0, False),
+        (900.0, 0.0, 1.3, True),
     ],
     ids=[
         "where the first acts",
         "mostly there",
         "elsewhere",
+        "not all of it",
         "too little",
         "more than forms leave",
     ],
 )
-def test_what_acts_elsewhere_has_a_place_beside_a_large_effect(monkeypatch, more, elsewhere, earns):
+def test_what_acts_elsewhere_has_a_place_beside_a_large_effect(
+    monkeypatch, more, elsewhere, noise, earns
+):
     spring = effect_by_id("load.spring", "single-axis")
     baseline, current = leaves(18_000.0, 24), leaves(3000.0, 24)
     closer = leaves(3000.0 - more, 25)
     current.hypothesis = SimpleNamespace(effects={"first"}, members=("first",))
     closer.shared = {spring.key(p.name): p.starts[0] for p in spring.parameters}
+    closer.rms_of = {"displacement": noise}.__getitem__
     judge = ByGain(current, baseline, [spring], lambda name, fit: 0.0, lambda fit: elsewhere)
     monkeypatch.setattr(ByGain, "share", lambda self, closer: more / 15_000.0)
     assert judge.earns(spring.id, closer, more) == earns
