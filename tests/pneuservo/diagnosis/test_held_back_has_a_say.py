@@ -9,6 +9,7 @@ from servo_recordings import recorded
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis import diagnose, document, held_back
+from pneuservo.diagnosis import search as search_module
 from pneuservo.diagnosis.diagnosis import _prepare
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
@@ -107,3 +108,40 @@ def test_a_law_that_does_not_hold_elsewhere_stands_in_for_what_has_no_name():
     # What stands in for it stays in the model.
     channel = answer["fit"]["channels"]["pressure_a"]
     assert channel["after"]["used"] < 0.8 * channel["before"]["used"]
+
+
+@pytest.mark.parametrize(
+    ("strained", "gains", "held_back_says_so", "named"),
+    [
+        (True, 600.0, True, ["load.gravity-angle"]),
+        (True, 600.0, False, ["sensor.position-gain"]),
+        (True, 230.0, True, ["sensor.position-gain"]),  # what was named explains 200
+        (False, 600.0, True, ["sensor.position-gain"]),
+    ],
+    ids=["absorbed", "not confirmed", "hardly more", "nothing strained"],
+)
+def test_what_relieves_strained_parameters_is_named_where_what_was_held_back_says_so(
+    monkeypatch, strained, gains, held_back_says_so, named
+):
+    def alone(gain):
+        return SimpleNamespace(gain=gain, effective={}, evidence=lambda worth: -gain)
+
+    found = Search(SimpleNamespace(steady=True), [], accepted=["sensor.position-gain"])
+    found.fits = {
+        Hypothesis(): alone(0.0),
+        Hypothesis().adding("sensor.position-gain"): alone(200.0),
+        Hypothesis().adding("load.gravity-angle"): alone(gains),
+    }
+    judge = SimpleNamespace(
+        only_relieves=lambda name, fit: name == "load.gravity-angle", share=lambda fit: 1.0
+    )
+    monkeypatch.setattr(Search, "candidates", ["sensor.position-gain", "load.gravity-angle"])
+    monkeypatch.setattr(Search, "_judge", lambda self, fit: judge)
+    monkeypatch.setattr(Search, "ended", lambda self, hypothesis: self.fits[hypothesis])
+    monkeypatch.setattr(search_module, "is_strained", lambda fit: strained)
+    monkeypatch.setattr(search_module, "explained", lambda before, after: after.gain - before.gain)
+    kept_out = SimpleNamespace(
+        cases=[None], are_predicted_worse=lambda before, after, by: held_back_says_so
+    )
+    found.name_what_relieves(kept_out)
+    assert found.accepted == named
