@@ -110,6 +110,24 @@ class Judge(Protocol):
             As for `earns`.
         """
 
+    def may_be_form(self, name: str, closer: Fit) -> bool:
+        """Return whether forms of what was found so far may explain as much as a candidate.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
+        """
+
+    def acts_elsewhere(self, name: str, closer: Fit) -> bool:
+        """Return whether a candidate explains what no other form of what was found would.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
+        """
+
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
@@ -201,6 +219,14 @@ class ByEvidence:
         """Return that no candidate does."""
         return False
 
+    def may_be_form(self, name: str, closer: Fit) -> bool:
+        """Return that the criterion decides, whatever forms leave."""
+        return False
+
+    def acts_elsewhere(self, name: str, closer: Fit) -> bool:
+        """Return that it does not matter where it acts."""
+        return True
+
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
@@ -249,12 +275,10 @@ class ByGain:
             if drop <= DECISIVE:
                 return False
             explains = explained(self.current, closer)
-            # Where the named law and the real one differ in form a little is always left.
-            first = not self.current.hypothesis.members
-            if not first and (self.share(closer) <= SECOND_SHARE or explains <= least):
-                least = self._least_elsewhere(name)
-                if not self._acts_elsewhere(closer, max(least, ELSEWHERE * explains)):
+            if self.may_be_form(name, closer):
+                if not self.acts_elsewhere(name, closer):
                     return False
+                least = self._least_elsewhere(name)
         return explains > max(least, OVER_IMITATIONS * self.pretended(name, closer))
 
     def least(self, name: str) -> float:
@@ -268,10 +292,30 @@ class ByGain:
         # It pulls at parameters, and at channels where little else shows, too.
         return max(least, AS_GOOD * explained(self.baseline, self.current))
 
-    def _acts_elsewhere(self, closer: Fit, least: float) -> bool:
-        """Return whether enough of it, and all, is what no form of what was found would explain."""
+    def may_be_form(self, name: str, closer: Fit) -> bool:
+        """Return whether what was found so far may leave as much where its law differs in form.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
+        """
+        if not self.current.hypothesis.members:
+            return False
+        small = explained(self.current, closer) <= self.least(name)
+        return small or self.share(closer) <= SECOND_SHARE
+
+    def acts_elsewhere(self, name: str, closer: Fit) -> bool:
+        """Return whether most of what an effect explains, and all of it, is none of other forms.
+
+        Parameters
+        ----------
+        name, closer
+            As for `earns`.
+        """
         if any(closer.rms_of(channel) > NEARLY_NOISE for channel in closer.effective):
             return False
+        least = max(self._least_elsewhere(name), ELSEWHERE * explained(self.current, closer))
         return self.elsewhere(closer) > least
 
     def _least_elsewhere(self, name: str) -> float:

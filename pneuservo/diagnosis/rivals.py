@@ -18,6 +18,7 @@ from pneuservo.diagnosis.judge import (
 )
 from pneuservo.diagnosis.ledger import Rival, Step, probabilities
 from pneuservo.diagnosis.screen import within_reach
+from pneuservo.effects import CATALOGUE
 
 SUREST = 0.95
 """Largest probability that is claimed: the catalogue never holds everything. (Of 15 names stated
@@ -82,6 +83,14 @@ class Rivals(Accepted):
             name: self.ended(found.hypothesis) if name in forms else found
             for name, found in self._fitted_with(rest, near, needed).items()
         }
+        judge = self._judge(rest)
+        if member in ended and judge.may_be_form(member, ended[member]):
+            # What forms leave of the others is no rival of what acts elsewhere.
+            ended = {
+                name: found
+                for name, found in ended.items()
+                if name not in CATALOGUE or name == member or judge.acts_elsewhere(name, found)
+            }
         return rest, ended
 
     def forms_of(self, member: str) -> list[str]:

@@ -1,11 +1,12 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack
+from pneuservo.diagnosis.hypotheses import FITTED_FIRST
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
     DECISIVE,
@@ -17,6 +18,7 @@ from pneuservo.diagnosis.judge import (
     weighed,
 )
 from pneuservo.diagnosis.ledger import Step
+from pneuservo.diagnosis.pretence import FAR
 from pneuservo.diagnosis.profile import RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count, scores
@@ -254,13 +256,18 @@ class Search(Rivals):
         self.ledger.append(Step((alone,), name, earned, evidence_drop=drop, share=share, rms=rms))
         return (alone, name) if earned else None
 
-    def _promised_elsewhere(self, current: Fit, names: Sequence[str]) -> Mapping[str, float]:
-        """Return what effects promise that no other form of what has been found would explain."""
-        if not self.model.steady or not current.hypothesis.effects:
+    def _promised_elsewhere(self, current: Fit) -> dict[str, float]:
+        """Return what effects promise that no other form of what has been found would explain.
+
+        The two that promise most: others explain more of what forms leave, and would keep them out.
+        """
+        if not self.model.steady or explained(self.baseline, current) < FAR:
             return {}
-        effects = [name for name in names if not name.startswith("param.")]
+        names = [n for n in self._compatible(self.accepted) if n in CATALOGUE]
         signatures = self.pretence.signatures_beside(current)
-        return scores(self._bendable(current), signatures, effects, self._one_sided)
+        found = scores(self._bendable(current), signatures, names, self._one_sided)
+        best = sorted(found, key=found.__getitem__, reverse=True)[:FITTED_FIRST]
+        return {n: found[n] for n in best if MOST_OVER_PROMISE * found[n] > LEAST_ELSEWHERE}
 
     def _best_addition(self) -> str | None:
         current = self.chosen
@@ -270,13 +277,12 @@ class Search(Rivals):
             self.pretence.work_out_beside(current)
         promises = self._promises(current, names)
         if promises_count(current):
-            elsewhere = self._promised_elsewhere(current, list(promises))
             promises = {
                 name: promise
                 for name, promise in promises.items()
                 if MOST_OVER_PROMISE * promise > judge.least(name)
-                or MOST_OVER_PROMISE * elsewhere.get(name, 0.0) > LEAST_ELSEWHERE
             }
+            promises = {**self._promised_elsewhere(current), **promises}
         tried = self._best_fitted(current, names, promises, judge.barred)
         if not tried:
             return None
