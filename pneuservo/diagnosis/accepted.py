@@ -44,6 +44,7 @@ class Accepted(Hypotheses):
     interrupted: bool = False
     _rests: dict[Hypothesis, Array] = field(default_factory=dict)
     _bent: tuple[Fit, Fit] | None = None
+    _beyond: dict[Hypothesis, tuple[Fit, Fit, float]] = field(default_factory=dict)
 
     @property
     def chosen(self) -> Fit:
@@ -139,7 +140,7 @@ class Accepted(Hypotheses):
                 self.baseline,
                 self.model.effects,
                 lambda name, closer: self.pretence.of(name, current, closer),
-                lambda closer: explained_beyond(self._bendable(current), closer),
+                lambda closer: self._elsewhere(current, closer),
             )
         found = (self._unexplained(self.baseline), self._unexplained(current))
         return ByEvidence(current, self.candidates, *found)
@@ -149,6 +150,14 @@ class Accepted(Hypotheses):
         if self._bent is None or self._bent[0] is not current:
             self._bent = current, bendable(self.model, self.cases, current)
         return self._bent[1]
+
+    def _elsewhere(self, current: Fit, closer: Fit) -> float:
+        """Return what a closer fit explains that no bent law would; worked out once."""
+        known = self._beyond.get(closer.hypothesis)
+        if known is None or known[0] is not current or known[1] is not closer:
+            found = explained_beyond(self._bendable(current), closer)
+            known = self._beyond[closer.hypothesis] = current, closer, found
+        return known[2]
 
     def _drop(self, member: str, why: str) -> None:
         self.accepted.remove(member)
