@@ -21,6 +21,7 @@ from pneuservo.diagnosis.models.servo.spread import (
 from pneuservo.diagnosis.models.servo.stops import (
     AVERAGED_AT_REST,
     around,
+    moments_of_rest,
     resting,
     touching,
 )
@@ -179,6 +180,11 @@ class Feed:
         """Return how well averages of both pressures tell the force on a piston at rest [N]."""
         samples = averaged_samples(self.interval, AVERAGED_AT_REST)
         return self.spread_of_force * math.sqrt(1.0 / samples + LIKELY_WANDER**2)
+
+    @cached_property
+    def moments_of_rest(self) -> Array:
+        """Return at how many moments the rest is judged that each sample is part of."""
+        return moments_of_rest(self.stuck, self.interval)
 
     def noise_of(self, channels: Sequence[str]) -> Array:
         """Return the noise of some channels, one of those that were not recorded [SI]."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from pneuservo.diagnosis.hum import MAINS
 from pneuservo.diagnosis.models.model import Array, Case, Misfit
-from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES, SUPPLY
+from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES, SUPPLY, Feed
 
 _LINE = 300.0
 """A line of so many times the power beside it is taken for interference: in recordings of another
@@ -198,11 +198,14 @@ def _line_at(samples: Array, interval: float, frequency: float) -> tuple[float, 
 
 
 def _lost_rest(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | None:
-    squares = [
-        float(np.sum(residual**2))
-        for case, residual in zip(cases, residuals, strict=True)
-        if case.channel == AT_REST and np.mean(residual**2) > _LOST_REST**2
-    ]
+    squares = []
+    for case, residual in zip(cases, residuals, strict=True):
+        if case.channel == AT_REST:
+            fed: Feed = case.inputs["feed"]
+            rests = float(np.sum(1.0 / fed.moments_of_rest[case.usable]))
+            square = float(np.sum(residual**2))
+            if square > _LOST_REST**2 * rests:
+                squares.append(square)
     if not squares:
         return None
     words = (

@@ -147,6 +147,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
         spool = np.clip(beyond_expected(fed, path[2], zero, gain), -most, most)
     force, holding = at_rest
     spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
+    spread *= np.sqrt(fed.moments_of_rest)
     excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)
     slipping = np.clip(excess / spread, -ASTRAY, ASTRAY)
     return np.vstack([left, beyond, spool, np.nan_to_num(slipping, nan=ASTRAY)])

@@ -21,7 +21,8 @@ UNSURE = 0.015
 AVERAGED_AT_REST = 0.02
 """Time over which the pressures are averaged whose force a piston at rest is judged by [s]."""
 APART = 0.1
-"""The force on a piston at rest is judged this often: its error is that of the zeros [s]."""
+"""The force on a piston at rest is judged this often [s]. Its error is that of the zeros, and does
+not fade within a rest: all moments of one count as much as one."""
 
 
 def around(moments: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
@@ -107,9 +108,38 @@ def judged_at_rest(stuck: NDArray[np.bool_], interval: float) -> NDArray[np.bool
     >>> np.flatnonzero(judged_at_rest(stuck, 1e-3)).tolist()
     [184, 284, 384]
     """
-    unsure, apart = round(UNSURE / interval), max(1, round(APART / interval))
     found = np.zeros(len(stuck), dtype=bool)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
-        found[np.arange(end - 1 - unsure, begin + unsure - 1, -apart)] = True
+    for _, _, moments in _judged_in_each_rest(stuck, interval):
+        found[moments] = True
     return found
+
+
+def moments_of_rest(stuck: NDArray[np.bool_], interval: float) -> Array:
+    """Return at how many moments the rest is judged that each sample is part of, at least 1.
+
+    Parameters
+    ----------
+    stuck, interval
+        As for `judged_at_rest`.
+
+    Returns
+    -------
+    (n,) array
+        1 where the piston does not rest.
+    """
+    found = np.ones(len(stuck))
+    for begin, end, moments in _judged_in_each_rest(stuck, interval):
+        found[begin:end] = max(1, len(moments))
+    return found
+
+
+def _judged_in_each_rest(
+    stuck: NDArray[np.bool_], interval: float
+) -> list[tuple[int, int, NDArray[np.int_]]]:
+    """Return where each rest begins and ends, and the moments at which it is judged."""
+    unsure, apart = round(UNSURE / interval), max(1, round(APART / interval))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
+    return [
+        (begin, end, np.arange(end - 1 - unsure, begin + unsure - 1, -apart))
+        for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    ]
