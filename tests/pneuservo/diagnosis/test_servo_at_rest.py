@@ -12,6 +12,7 @@ from pneuservo.diagnosis import diagnose
 from pneuservo.diagnosis.models.servo.feed import AT_REST
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.servo import ServoModel
+from pneuservo.diagnosis.models.servo.stops import judged_at_rest, moments_of_rest
 from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
 from pneuservo.report.diagnosis_figures import diagnosis_figures
@@ -134,3 +135,14 @@ def test_what_is_judged_at_rest_is_no_channel_of_the_answer(rig):
     assert moments > slipping >= 5
     assert mended <= 1
     assert "held at most" in picture
+
+
+def test_all_moments_of_one_rest_count_as_much_as_one():
+    stuck = np.zeros(1200, dtype=bool)
+    stuck[100:400] = stuck[600:700] = stuck[900:905] = True
+    moments = moments_of_rest(stuck, 1e-3)
+    judged = judged_at_rest(stuck, 1e-3)
+    assert set(moments[100:400]) == {3.0}
+    assert set(moments[~stuck]) == {1.0}
+    # Too short to be judged, the last rest does not count.
+    assert np.sum(1.0 / moments[judged]) == pytest.approx(2.0)

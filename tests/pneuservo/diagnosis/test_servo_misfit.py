@@ -25,7 +25,10 @@ def misfit(seed, adds, command=0.0, at_rest=None, recordings=2, samples=SAMPLES)
     cases, residuals = [], []
     for _ in range(recordings):
         voltage = (command + 0.01 * rng.standard_normal(SAMPLES))[:samples]
-        inputs = {"feed": SimpleNamespace(voltage=voltage, interval=1e-3)}
+        # Ten rests, each judged at three moments.
+        moments = np.full(samples, 3.0)
+        feed = SimpleNamespace(voltage=voltage, interval=1e-3, moments_of_rest=moments)
+        inputs = {"feed": feed}
         for channel in CHANNELS:
             usable = np.ones(samples, dtype=bool)
             cases.append(
@@ -33,8 +36,11 @@ def misfit(seed, adds, command=0.0, at_rest=None, recordings=2, samples=SAMPLES)
             )
             residuals.append((rng.standard_normal(SAMPLES) + adds.get(channel, 0.0))[:samples])
         if at_rest is not None:
-            cases.append(SimpleNamespace(inputs=inputs, recorded=False, channel=AT_REST))
-            residuals.append(at_rest * np.ones(30))
+            usable = np.arange(samples) < 30
+            cases.append(
+                SimpleNamespace(inputs=inputs, recorded=False, channel=AT_REST, usable=usable)
+            )
+            residuals.append(at_rest / np.sqrt(3.0) * np.ones(30))
     return misfit_of(cases, residuals)
 
 
@@ -123,4 +129,4 @@ def test_a_supply_that_swings_by_itself_is_told(seed, size, found):
 def test_a_piston_that_rests_under_more_than_friction_holds_is_pushed_by_something():
     found = misfit(1, {}, at_rest=5.0)
     assert found.block == "load"
-    assert found.energy == pytest.approx(2 * 30 * 25.0)
+    assert found.energy == pytest.approx(2 * 10 * 25.0)
