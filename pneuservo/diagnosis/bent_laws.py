@@ -68,7 +68,7 @@ def explained_beyond(bent: Fit, closer: Fit) -> float:
         With one effect more.
     """
     weighed = bent.in_weights(closer.scale)
-    left = closer.left - weighed.absorbed @ (weighed.absorbed.T @ closer.left)
+    left = weighed.unabsorbed_of(closer.left)
     return float(np.sum(weighed.unabsorbed**2) - np.sum(left**2))
 
 

@@ -222,8 +222,7 @@ class Fit:
     @cached_property
     def unabsorbed(self) -> Array:
         """Return what is left beyond what a refit would absorb if all were linear."""
-        left = self.left
-        return np.asarray(left - self.absorbed @ (self.absorbed.T @ left))
+        return self.unabsorbed_of(self.left)
 
     @cached_property
     def absorbed(self) -> Array:
@@ -244,6 +243,16 @@ class Fit:
             Rows of the tolerated values below those of the residuals.
         """
         whole = np.concatenate([columns, np.zeros((len(self.distance), *columns.shape[1:]))])
+        return self.unabsorbed_of(whole)
+
+    def unabsorbed_of(self, whole: Array) -> Array:
+        """Return what a refit would not absorb of residuals with distances below them.
+
+        Parameters
+        ----------
+        whole : (n + t,) or (n + t, k) array
+            Rows as those of `sensitivity`.
+        """
         return np.asarray(whole - self.absorbed @ (self.absorbed.T @ whole))
 
     def loosened(self, parameter: str, left: Array) -> float:

@@ -196,11 +196,10 @@ class Hypotheses:
         found = self.fitted(hypothesis)
         if not self.model.steady or not hypothesis.effects or hypothesis in self._ended:
             return found
-        self._ended.add(hypothesis)
         again = polished(self.model, self.cases, found)
         if explained(found, again) > 0.0:
             self._replace_fit(hypothesis, again)
-            self._ended.add(hypothesis)
+        self._ended.add(hypothesis)
         return self.fits[hypothesis]
 
     def _replace_fit(self, hypothesis: Hypothesis, closer: Fit) -> None:

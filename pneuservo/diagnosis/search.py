@@ -166,11 +166,12 @@ class Search(Rivals):
         if not held_back.cases or not is_strained(self.baseline):
             return
         judge, chosen = self._judge(self.baseline), self.chosen
-        alone = {name: self.fits.get(self._with([name])) for name in self.candidates}
         gains = {
-            name: explained(chosen, found)
-            for name, found in alone.items()
-            if found is not None and name in CATALOGUE and judge.only_relieves(name, found)
+            name: explained(chosen, self.fits[alone])
+            for name in self.candidates
+            if name in CATALOGUE
+            and (alone := self._with([name])) in self.fits
+            and judge.only_relieves(name, self.fits[alone])
         }
         best = max(gains, key=gains.__getitem__, default="")
         if gains.get(best, 0.0) <= LEAST_GAIN:
