@@ -7,11 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from pneuservo.diagnosis.bent_laws import bendable, explained_beyond
+from pneuservo.diagnosis.by_gain import ByGain
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import DECISIVE, ByEvidence, ByGain, Judge
+from pneuservo.diagnosis.judge import DECISIVE, ByEvidence, Judge
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array

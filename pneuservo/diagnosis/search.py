@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from pneuservo.diagnosis.by_gain import LEAST_ELSEWHERE
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypotheses import FITTED_FIRST
@@ -12,7 +13,6 @@ from pneuservo.diagnosis.judge import (
     DECISIVE,
     FORM,
     LARGE_SHARE_OF_REST,
-    LEAST_ELSEWHERE,
     LEAST_GAIN,
     is_impossible,
     weighed,

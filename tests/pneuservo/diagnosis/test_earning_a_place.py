@@ -8,9 +8,10 @@ import pytest
 
 from pneuservo.diagnosis import hypotheses
 from pneuservo.diagnosis import search as search_module
+from pneuservo.diagnosis.by_gain import ByGain
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE, ByGain
+from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE
 from pneuservo.diagnosis.screen import _adds, within_reach
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.starts import Begin
