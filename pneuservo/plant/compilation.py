@@ -26,3 +26,8 @@ def compiled(function):
 def compiled_apart(function):
     """Compile a kernel that stays one piece of code wherever it is called from."""
     return compile_kernel(function, cache_folder(), inline=False)
+
+
+def compiled_lean(function):
+    """Compile a kernel that makes and slices no arrays."""
+    return compile_kernel(function, cache_folder(), counted=False)

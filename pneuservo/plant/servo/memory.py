@@ -201,8 +201,7 @@ def begin(state, modes, memory, rows, drive, servo, grid):
     memory[BRISTLE_PLACE] = state[DISPLACEMENT]
     memory[EXHAUST] = servo.plant.ambient_pressure
     command = _driver_command(state, modes, memory, drive, 0.0, servo)
-    memory[SLEWED], memory[SLEWED_WHEN] = command, given(drive, TIME, 0.0)
-    memory[PLAY] = command + servo.effects.spool.null_bias * servo.plant.valve.full_voltage
+    begin_spool(memory, command, given(drive, TIME, 0.0), servo)
     if servo.effects.valve.attached_loss != 0.0:
         _remember_jets(state, memory, drive, 0.0, servo)
     record(state, modes, memory, rows, drive, 0.0, servo, grid)
@@ -212,3 +211,20 @@ def begin(state, modes, memory, rows, drive, servo, grid):
             for column in range(PAST_COLUMNS):
                 rows[row, column] = rows[newest, column]
             rows[row, WHEN] = -1e30
+
+
+@compiled
+def begin_spool(memory, command, now, servo):
+    """Fill what the spool remembers as if its command had stood for ever.
+
+    Parameters
+    ----------
+    memory, servo
+        As in `remember`.
+    command : float
+        Into the valve driver [V].
+    now : float
+        Time since the start of the run [s].
+    """
+    memory[SLEWED], memory[SLEWED_WHEN] = command, now
+    memory[PLAY] = command + servo.effects.spool.null_bias * servo.plant.valve.full_voltage

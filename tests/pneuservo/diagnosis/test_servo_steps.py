@@ -7,7 +7,6 @@ import pytest
 from servo_recordings import NOISE, recorded
 
 from pneuservo.controllers import DigitalSlidingMode, Proportional, SlidingMode
-from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.between_samples import with_held_command
 from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feed import feed
@@ -58,7 +57,7 @@ def test_a_command_that_runs_on_is_followed_in_long_steps(rig, values):
     assert running.steps.mean() < 1.1
     found = run_observer(running, values, rig)[:3]
     exact = run_observer(
-        replace(running, steps=dividing(running.time, EXACT), done=Recent()), values, rig
+        replace(running, steps=dividing(running.time, EXACT)), values, rig
     )[:3]
     assert np.all(np.sum(((found - exact) / SIZES[:, None]) ** 2, axis=1) < 1.0)
 

@@ -2,8 +2,14 @@
 
 import math
 
-from pneuservo.diagnosis.models.servo.spool import move_spool
-from pneuservo.plant.compilation import compiled
+from pneuservo.diagnosis.models.servo.spool import (
+    CROSSED,
+    ENDED,
+    OPENED,
+    OPENED_BEFORE,
+    write_move,
+)
+from pneuservo.plant.compilation import compiled_lean
 from pneuservo.plant.servo.chain import pressure_share
 from pneuservo.plant.servo.layout import JOINT, JOINT_RATE, SUPPLY, TIME
 from pneuservo.plant.servo.load_effects import joint_force, rigid_mass
@@ -27,7 +33,7 @@ next: by how much the readings of transducers that lag are behind the pressures.
 WITHIN = 8
 
 
-@compiled
+@compiled_lean
 def write_drive(drive, k, time, supply):
     """Write what drives the chain from sample k on, but for the command: the spool goes before.
 
@@ -46,7 +52,7 @@ def write_drive(drive, k, time, supply):
     drive[1, TIME] = 1.0
 
 
-@compiled
+@compiled_lean
 def advance(
     state,
     before,
@@ -58,13 +64,17 @@ def advance(
     command,
     k,
     steps,
+    moves,
+    place,
     modes,
     memory,
     rows,
     drive,
     servo,
     grid,
-    work,
+    rate,
+    total,
+    start,
     within,
 ):
     """Advance spool, chambers, load and what belongs to them by one sampling interval.
@@ -90,8 +100,13 @@ def advance(
         The sample at which the interval begins.
     steps : int
         The interval is divided into so many equal steps.
-    work : (3, m) array
-        Room to work in.
+    moves : (m, MOVED) array
+        How the spool moves in each step, from `pneuservo.diagnosis.models.servo.spool.follow_spool`;
+        written where a flow force makes it feel the chambers.
+    place : int
+        The row of the first step.
+    rate, total, start : (m,) array
+        Room to work in, as long as the state.
     within : (WITHIN,) array
         The same; what the transducers are behind is kept from one interval to the next.
 
@@ -126,12 +141,16 @@ def advance(
             time,
             command,
             k,
+            moves,
+            place + j,
             memory,
             rows,
             drive,
             servo,
             grid,
-            work,
+            rate,
+            total,
+            start,
             within,
         )
         _fall_behind(
@@ -157,7 +176,7 @@ def advance(
     return bent, ahead, swings, (before_step - begun) / mass
 
 
-@compiled
+@compiled_lean
 def _fall_behind(within, risen_a, risen_b, step, servo):
     """Let transducers that lag follow pressures that have risen straight over a step."""
     lag = servo.effects.sensor.pressure_lag
@@ -166,7 +185,7 @@ def _fall_behind(within, risen_a, risen_b, step, servo):
     within[BEHIND_B] += share * (lag / step * risen_b - within[BEHIND_B])
 
 
-@compiled
+@compiled_lean
 def followed(interval, lag):
     """Return the share of a step that a first-order lag has followed after some time [-].
 
@@ -183,7 +202,7 @@ def followed(interval, lag):
     return -math.expm1(-interval / lag) if lag > 0.0 else 1.0
 
 
-@compiled
+@compiled_lean
 def _joint(state, servo):
     """Return the force of the load's joint on the rod [N]."""
     if servo.effects.load.joint_share > 0.0:
@@ -191,7 +210,7 @@ def _joint(state, servo):
     return 0.0
 
 
-@compiled
+@compiled_lean
 def _step(
     state,
     before,
@@ -203,24 +222,29 @@ def _step(
     time,
     command,
     k,
+    moves,
+    place,
     memory,
     rows,
     drive,
     servo,
     grid,
-    work,
+    rate,
+    total,
+    start,
     within,
 ):
     """Advance spool and chambers by one step, divided where the spool crosses its null.
 
     There the flows have a kink: charging and venting edges differ.
     """
-    since, began = time[k] + elapsed, state[SPOOL]
-    felt = pressure_share(state, drive, elapsed, servo)
-    opened, crossed, opened_before = move_spool(
-        state, memory, time, command, k, since, since + step, felt, servo
-    )
-    ended, interval = state[SPOOL], time[k + 1] - time[k]
+    began, interval = state[SPOOL], time[k + 1] - time[k]
+    if servo.effects.spool.flow_force != 0.0:
+        since, felt = time[k] + elapsed, pressure_share(state, drive, elapsed, servo)
+        until = since + step
+        write_move(moves, place, state, memory, time, command, k, since, until, felt, servo)
+    ended, opened = moves[place, ENDED], moves[place, OPENED]
+    crossed, opened_before = moves[place, CROSSED], moves[place, OPENED_BEFORE]
     crosses = crossed < math.inf
     for part in range(2 if crosses else 1):
         passed, length, opens, first, last = elapsed, step, opened, began, ended
@@ -244,12 +268,14 @@ def _step(
             drive,
             servo,
             grid,
-            work,
+            rate,
+            total,
+            start,
             within,
         )
 
 
-@compiled
+@compiled_lean
 def _fill(
     state,
     openings,
@@ -265,7 +291,9 @@ def _fill(
     drive,
     servo,
     grid,
-    work,
+    rate,
+    total,
+    start,
     within,
 ):
     """Advance the chambers by one classical Runge-Kutta step, and a piston that is free to move.
@@ -274,9 +302,8 @@ def _fill(
     at the end, the second is what gives the mean with the others: where the spool meets the end of
     its travel, its place would not.
     """
-    rate, total, start = work[0], work[1], work[2]
-    start[:] = state
-    total[:] = 0.0
+    for i in range(state.shape[0]):
+        start[i], total[i] = state[i], 0.0
     piston, moving = servo.plant.piston, within[MOVING] == within[MOVING]
     mass = rigid_mass(piston.mass, servo.effects.load)
     speed, faster, gained = within[MOVING], 0.0, 0.0

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
 from pneuservo.diagnosis.models.servo.feed import Feed, with_spread
 from pneuservo.diagnosis.models.servo.set_point import at_once, jumping
@@ -38,9 +37,7 @@ def with_held_command(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The rig it was taken on.
     """
-    held = replace(
-        fed, command=held_command(fed.voltage), unseen=np.zeros_like(fed.time), done=Recent()
-    )
+    held = replace(fed, command=held_command(fed.voltage), unseen=np.zeros_like(fed.time))
     return with_spread(held, rig)
 
 
@@ -67,7 +64,6 @@ def with_set_point_in_steps(fed: Feed, rig: Rig) -> Feed:
         command=running_command(fed.time, fed.voltage, limit, found),
         unseen=unseen(fed.voltage, found),
         in_steps=True,
-        done=Recent(),
     )
     return with_spread(stepped, rig)
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
 from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
 from pneuservo.diagnosis.models.servo.steps import steps_along
@@ -65,4 +64,4 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
     """
     gains, shares, _, _, decays = learn_to_observe(fed, rig)
     steps = steps_along(fed.time, fed.command, rig["valve.full_voltage"], decays)
-    return replace(fed, gains=gains, shares=shares, steps=steps, done=Recent())
+    return replace(fed, gains=gains, shares=shares, steps=steps)

@@ -126,8 +126,6 @@ class Feed:
         The same of the spool's readings; empty where there are none.
     steps : (n,) array of int
         Into how many steps each interval is divided, see `pneuservo.diagnosis.models.servo.steps`.
-    done : Recent
-        Results of the last few runs, one for all channels.
     """
 
     time: Array
@@ -163,12 +161,21 @@ class Feed:
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     spool_shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     steps: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64), repr=False)
-    done: Recent = field(default_factory=Recent, repr=False)
 
     @property
     def ramped(self) -> bool:
         """Return whether the command runs on between samples instead of being held."""
         return bool(np.any(self.command[:, 0] != self.command[:, -1]))
+
+    @cached_property
+    def done(self) -> Recent:
+        """Return the results of the last few runs, one for all channels."""
+        return Recent()
+
+    @cached_property
+    def spools(self) -> Recent:
+        """Return the last few ways in which a spool moves through the command."""
+        return Recent(kept=4)
 
     @cached_property
     def interval(self) -> float:
@@ -321,7 +328,6 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         resting=rests,
         stuck=stuck,
         chatter=chatter,
-        done=Recent(),
     )
     return with_spread(moved, rig)
 
@@ -408,5 +414,5 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     """
     rests = np.where(fed.touching, fed.resting, 0)
     stuck = np.zeros_like(fed.stuck)
-    freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck, done=Recent())
+    freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck)
     return with_spread(freed, rig)

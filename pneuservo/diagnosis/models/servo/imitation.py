@@ -6,7 +6,6 @@ import numpy as np
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.between_samples import read_alike
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
@@ -93,7 +92,6 @@ def imitated(
         # It comes to rest at times of its own; only what both tell is judged.
         held=np.where(fed.resting != 0, fed.held, copy.held),
         stuck=copy.stuck & fed.stuck,
-        done=Recent(),
     )
 
 

@@ -79,6 +79,7 @@ def observe(
     grid,
     initial_state,
     steps,
+    moves,
 ):
     """Return what every channel reads beyond what the model and the past make expected.
 
@@ -133,6 +134,8 @@ def observe(
         From `pneuservo.plant.servo.starting.servo_state`.
     steps : (n,) array of int
         Of the chambers in each interval.
+    moves : (m, MOVED) array
+        How the spool moves in each of them, see `pneuservo.diagnosis.models.servo.advance.advance`.
 
     Returns
     -------
@@ -169,6 +172,7 @@ def observe(
     modes[SPOOL_LIMIT] = SPOOL_FREE
     memory, rows = np.zeros(MEMORY), np.zeros((PAST_ROWS, PAST_COLUMNS))
     drive, work = np.zeros((2, INPUTS)), np.zeros((3, len(state)))
+    rate, total, start = work[0], work[1], work[2]
     drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = command[0, 0], supply[0], time[0]
     begin(state, modes, memory, rows, drive, servo, grid)
     nominal, servo = servo, drifted(servo, time[0])
@@ -179,12 +183,12 @@ def observe(
     felt = true[1, 0]
     position, velocity, lagged = motion[0, 0] + behind[0], motion[1, 0], motion[2, 0]
     slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
-    last = 0.0
+    last, place = 0.0, 0
     zeros = np.zeros(3)
     covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)
     path[0, 0], path[1, 0], path[2, 0] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
-    error, within = np.zeros(3), np.zeros(WITHIN)
+    error, moved, within = np.zeros(3), np.zeros(GAIN_ROWS), np.zeros(WITHIN)
     behind_a, behind_b = state[PRESSURE_A] - readings[0, 0], state[PRESSURE_B] - readings[1, 0]
     # A reading that is missing is behind nothing.
     within[BEHIND_A] = behind_a if math.isfinite(behind_a) else 0.0
@@ -210,7 +214,8 @@ def observe(
                 grid,
                 work,
             )
-        before[:], after[:] = true[:, k], true[:, k + 1]
+        for i in range(3):
+            before[i], after[i] = true[i, k], true[i, k + 1]
         earlier, servo = effects.sensor.displacement_gain, drifted(nominal, time[k + 1])
         plant, effects = servo.plant, servo.effects
         piston, mass = plant.piston, rigid_mass(plant.piston.mass, effects.load)
@@ -220,7 +225,9 @@ def observe(
         free = effects.load.joint_share > 0.0 and not held[k]
         if free:
             before[2] = after[2] = last
-        zeros *= math.exp(-interval / WANDER_TIME)
+        kept = math.exp(-interval / WANDER_TIME)
+        for slot in range(3):
+            zeros[slot] *= kept
         bent, ahead, swung, shift = advance(
             state,
             before,
@@ -232,15 +239,20 @@ def observe(
             command,
             k,
             steps[k],
+            moves,
+            place,
             modes,
             memory,
             rows,
             drive,
             servo,
             grid,
-            work,
+            rate,
+            total,
+            start,
             within,
         )
+        place += steps[k]
         port = supply_at_valve(state, drive, interval, servo)
         flow_a, flow_b, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
         felt += (after[1] - felt) * followed(interval, effects.friction.lag)
@@ -297,16 +309,16 @@ def observe(
                 plant.ambient_pressure,
                 piston,
             )
-            place = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
-            error[2] = readings[2, k + 1] - place + behind[k + 1]
-            error[2] -= displacement_error(place, piston.stroke, effects.sensor)
-        moved = np.zeros(GAIN_ROWS)
+            stop = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
+            error[2] = readings[2, k + 1] - stop + behind[k + 1]
+            error[2] -= displacement_error(stop, piston.stroke, effects.sensor)
+        moved[:] = 0.0
         for slot in range(3):
             if error[slot] == error[slot]:
                 own = error[slot] - moved[ESTIMATED + slot]
                 left[slot, k + 1] = own * shares[k + 1, slot]
-                for place in range(GAIN_ROWS):
-                    moved[place] += gains[k + 1, place, slot] * error[slot]
+                for row in range(GAIN_ROWS):
+                    moved[row] += gains[k + 1, row, slot] * error[slot]
         state[PRESSURE_A] += moved[FOLLOWED_A]
         state[PRESSURE_B] += moved[FOLLOWED_B]
         for slot in range(3):

@@ -12,7 +12,8 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
 )
 from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.diagnosis.models.servo.rests import averaged
-from pneuservo.diagnosis.models.servo.steps import FINEST, dividing, steps_beside
+from pneuservo.diagnosis.models.servo.spool import MOVED, follow_spool
+from pneuservo.diagnosis.models.servo.steps import FINEST, Steps, dividing, steps_beside
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import expected_supply
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
@@ -274,9 +275,25 @@ def _observe(
         valve_grid(rig.valve),
         state,
         steps,
+        _moves_of_spool(fed, servo, float(state[SPOOL]), steps),
     )
     found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
     return found
+
+
+def _moves_of_spool(fed: Feed, servo: Servo, opening: float, steps: Steps) -> Array:
+    """Return how the spool moves; what does not touch it shares this.
+
+    With a flow force it moves with the chambers, and only room is made.
+    """
+    spool, valve = servo.effects.spool, servo.plant.valve
+    if spool.flow_force != 0.0:
+        return np.empty((int(np.sum(steps[:-1])), MOVED))
+    reply = (valve.full_voltage, valve.spool_frequency, valve.spool_damping)
+    return fed.spools.get(
+        (spool, reply, opening, steps.tobytes()),
+        lambda: follow_spool(fed.time, fed.command, steps, opening, servo),
+    )
 
 
 def _chain(

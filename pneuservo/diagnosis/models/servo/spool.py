@@ -2,13 +2,15 @@
 
 import math
 
+import numpy as np
+
 from pneuservo.plant.control_law import limited
 from pneuservo.plant.servo.chain import driving
-from pneuservo.plant.servo.compilation import compiled, compiled_apart
-from pneuservo.plant.servo.layout import SPOOL_STUCK
-from pneuservo.plant.servo.memory import remember_spool, remembers
+from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled_whole
+from pneuservo.plant.servo.layout import MEMORY, SPOOL_STUCK
+from pneuservo.plant.servo.memory import begin_spool, remember_spool, remembers
 from pneuservo.plant.servo.spool_effects import spool_rates, travel_end
-from pneuservo.plant.single_axis import SPOOL, SPOOL_RATE
+from pneuservo.plant.single_axis import PLANT_STATES, SPOOL, SPOOL_RATE
 
 STEP = 125e-6
 """Longest step of a spool that replies linearly: a tenth of its time constant [s] ..."""
@@ -19,6 +21,10 @@ FINE_STEP = 25e-6
 _NEAR_END = 0.03
 """So far from it, and what it may move in a long step [-]."""
 _SAME_MOMENT = 1e-9
+
+ENDED, OPENED, CROSSED, OPENED_BEFORE = range(4)
+"""Of one move of the spool: where it ends [-], and what `move_spool` returns of it."""
+MOVED = 4
 
 
 @compiled
@@ -130,6 +136,58 @@ def move_spool(state, memory, time, command, latest, since, until, share, servo)
     ):
         crossed = math.inf
     return opened, crossed, opened_before
+
+
+@compiled_whole
+def follow_spool(time, command, steps, opening, servo):
+    """Return how a spool that does not feel the chambers moves in each step of a recording.
+
+    Parameters
+    ----------
+    time, command, servo
+        As in `move_spool`.
+    steps : (n,) array of int
+        Into how many equal steps each sampling interval is divided.
+    opening : float
+        Where it begins, at rest [-].
+
+    Returns
+    -------
+    (m, MOVED) array
+        Of every step in turn.
+    """
+    state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
+    state[SPOOL] = opening
+    begin_spool(memory, limited(command[0, 0], servo.law.level), time[0], servo)
+    moves, place = np.empty((np.sum(steps[:-1]), MOVED)), 0
+    for k in range(time.shape[0] - 1):
+        step = (time[k + 1] - time[k]) / steps[k]
+        for j in range(steps[k]):
+            since = time[k] + j * step
+            until = since + step
+            write_move(moves, place, state, memory, time, command, k, since, until, 0.0, servo)
+            place += 1
+    return moves
+
+
+@compiled
+def write_move(moves, place, state, memory, time, command, latest, since, until, share, servo):
+    """Move the spool as `move_spool` does, and write how it moved.
+
+    Parameters
+    ----------
+    moves : (m, MOVED) array
+        Written ...
+    place : int
+        ... in this row.
+    state, memory, time, command, latest, since, until, share, servo
+        As in `move_spool`.
+    """
+    opened, crossed, opened_before = move_spool(
+        state, memory, time, command, latest, since, until, share, servo
+    )
+    moves[place, ENDED], moves[place, OPENED] = state[SPOOL], opened
+    moves[place, CROSSED], moves[place, OPENED_BEFORE] = crossed, opened_before
 
 
 @compiled

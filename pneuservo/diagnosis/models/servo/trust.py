@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.feed import Feed, with_spread
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY_AT_REST
 from pneuservo.rigs import Rig
@@ -89,6 +88,5 @@ def unsure_of_rest(fed: Feed, rig: Rig) -> Feed:
         fed,
         velocity_rms=np.where(still, np.maximum(fed.velocity_rms, slope), fed.velocity_rms),
         motion_memory=MOTION_MEMORY_AT_REST,
-        done=Recent(),
     )
     return with_spread(unsure, rig)
