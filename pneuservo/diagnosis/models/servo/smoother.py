@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
-from pneuservo.plant.compilation import compiled
+from pneuservo.plant.compilation import compiled, compiled_lean
 
 FORCE_CHANGE_TIME = 5e-3
 """Within this time the force on a moving piston jumps [s]."""
@@ -17,10 +17,12 @@ GLIDING = 0.0
 """Speed of creep that stands for a piston that comes to rest."""
 
 
-@compiled
-def _transition(interval, creeps, fades):
-    """Return how displacement, velocity, acceleration and the transducer's zero go on."""
-    step = np.eye(4)
+@compiled_lean
+def _write_transition(step, interval, creeps, fades):
+    """Write how displacement, velocity, acceleration and the transducer's zero go on."""
+    for i in range(4):
+        for j in range(4):
+            step[i, j] = 1.0 if i == j else 0.0
     step[0, 1] = interval
     if creeps:
         step[1, 1] = math.exp(-interval / fades)
@@ -29,45 +31,46 @@ def _transition(interval, creeps, fades):
         step[0, 2] = 0.5 * interval**2
         step[1, 2] = interval
     step[3, 3] = math.exp(-interval / WANDER_TIME)
-    return step
 
 
-@compiled
-def _carry(state, spread, step):
-    """Carry a state and its covariance on; written out, for matrices as small cost calls alone."""
-    moved, half = np.zeros(4), np.zeros((4, 4))
+@compiled_lean
+def _carry(state, spread, step, moved, half):
+    """Carry a state and its covariance on; the last two are room to work in.
+
+    Written out, for matrices as small cost calls alone; nothing goes from a lower row to a higher.
+    """
     for i in range(4):
+        moved[i] = 0.0
+        for m in range(i, 4):
+            moved[i] += step[i, m] * state[m]
         for j in range(4):
-            moved[i] += step[i, j] * state[j]
-            for m in range(4):
+            half[i, j] = 0.0
+            for m in range(i, 4):
                 half[i, j] += step[i, m] * spread[m, j]
     for i in range(4):
         state[i] = moved[i]
         for j in range(4):
             spread[i, j] = 0.0
-            for m in range(4):
+            for m in range(j, 4):
                 spread[i, j] += half[i, m] * step[j, m]
 
 
-@compiled
+@compiled_lean
 def _spread_out(spread, interval, driving_variance, change):
     """Add what the noise of the driving force and a jumping disturbance make uncertain."""
     h, wander = interval, change * change / FORCE_CHANGE_TIME
-    push = np.array([0.5 * h * h, h, 0.0])
-    for i in range(3):
-        for j in range(3):
-            spread[i, j] += driving_variance * push[i] * push[j]
-    walk = np.array([h**2.5 / 20.0**0.5, h**1.5 / 3.0**0.5, h**0.5])
     # The exact covariance of an integrated random walk.
-    spread[0, 0] += wander * walk[0] ** 2
-    spread[0, 1] += wander * h**4 / 8.0
-    spread[1, 0] += wander * h**4 / 8.0
+    places = driving_variance * h**4 / 4.0 + wander * h**5 / 20.0
+    both = driving_variance * h**3 / 2.0 + wander * h**4 / 8.0
+    spread[0, 0] += places
+    spread[0, 1] += both
+    spread[1, 0] += both
     spread[0, 2] += wander * h**3 / 6.0
     spread[2, 0] += wander * h**3 / 6.0
-    spread[1, 1] += wander * walk[1] ** 2
+    spread[1, 1] += driving_variance * h**2 + wander * h**3 / 3.0
     spread[1, 2] += wander * h**2 / 2.0
     spread[2, 1] += wander * h**2 / 2.0
-    spread[2, 2] += wander * walk[2] ** 2
+    spread[2, 2] += wander * h
 
 
 @compiled
@@ -119,16 +122,17 @@ def smooth(
     state, likelihood, came = np.zeros(4), np.zeros(n), 0.0
     wandering = LIKELY_WANDER**2 * variance
     spread, row = np.diag(np.array([1e-4, 1.0, 1e4, wandering])), np.zeros(4)
+    step, moved, half = np.zeros((4, 4)), np.zeros(4), np.zeros((4, 4))
     for k in range(n):
         if k:
             h = time[k] - time[k - 1]
             creeps = rest[k] and creep > GLIDING
-            step = _transition(h, creeps, fades)
+            _write_transition(step, h, creeps, fades)
             if rest[k] != rest[k - 1]:
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
                 came = state[1]
-            _carry(state, spread, step)
+            _carry(state, spread, step, moved, half)
             if creeps:
                 came *= step[1, 1]
                 uneven = creep * creep + (UNEVEN_FADING * came) ** 2
@@ -154,7 +158,8 @@ def smooth(
                 state[i] += row[i] / expected * error
                 for j in range(4):
                     spread[i, j] -= row[i] * row[j] / expected
-        filtered[k] = state
+        for i in range(4):
+            filtered[k, i] = state[i]
         if back:
             spread_filtered[k] = spread
     velocity_variance = np.zeros(n)
@@ -162,7 +167,8 @@ def smooth(
         return filtered, velocity_variance, likelihood
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
     for k in range(n - 2, -1, -1):
-        step = _transition(time[k + 1] - time[k], rest[k + 1] and creep > GLIDING, fades)
+        creeps = rest[k + 1] and creep > GLIDING
+        _write_transition(step, time[k + 1] - time[k], creeps, fades)
         share = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         filtered[k] = filtered[k] + share @ (filtered[k + 1] - predicted[k + 1])
         gained = share @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ share.T
