@@ -23,6 +23,7 @@ from pneuservo.diagnosis.readings import (
 )
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
 from pneuservo.effects import CATALOGUE
@@ -223,9 +224,14 @@ def diagnose(
     for part in without:
         require_known(part, PARTS, "part of the diagnosis")
     model = model_of(chosen_rig.kind, frozenset(without))
+    # Models other than those run by kernels share what they simulate with, and would only wait.
+    jobs = jobs if model.steady else 1
+    prepared = side_by_side(
+        lambda recording: _prepare(model, recording, chosen_rig), [*recordings, *validate], jobs
+    )
     cases, held_back = (
-        [case for recording in group for case in _prepare(model, recording, chosen_rig)]
-        for group in (recordings, validate)
+        [case for own in group for case in own]
+        for group in (prepared[: len(recordings)], prepared[len(recordings) :])
     )
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
@@ -327,7 +333,7 @@ def _as_read(search: Search) -> Search:
     between these, or something late may do so, from the fits with that name.
     """
     model, progress = search.model, search.progress
-    ranked = ranked_readings(model, model.readings(search.cases), progress)
+    ranked = ranked_readings(model, model.readings(search.cases), progress, search.jobs)
     late = likelier_if_late(model, ranked, progress, search.jobs)
     first = _begun(search, late or ranked[0])
     if late and not first.accepted and not first.interrupted:
@@ -337,7 +343,7 @@ def _as_read(search: Search) -> Search:
     if late:
         ranked = [late, *(reading for reading in ranked if reading is not late)]
     try:
-        other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
+        other = likelier_with(model, ranked, first.baseline, first.chosen, progress, search.jobs)
         if other is None:
             return first
         second = _begun(search, other)
@@ -353,7 +359,9 @@ def _as_read(search: Search) -> Search:
 def _begun(search: Search, reading: Reading) -> Search:
     """Return a search in recordings as they are read and best followed, begun."""
     model = search.model
-    cases, baseline = likeliest_followed(model, reading.cases, reading.baseline, search.progress)
+    cases, baseline = likeliest_followed(
+        model, reading.cases, reading.baseline, search.progress, search.jobs
+    )
     begun = Search(model, cases, search.progress, search.seed, search.jobs)
     if baseline is not None:
         begun.fits[baseline.hypothesis] = baseline

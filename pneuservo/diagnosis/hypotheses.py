@@ -100,14 +100,6 @@ class Hypotheses:
             tried.effects <= base.hypothesis.effects for tried in self._hopeless.get(name, [])
         )
 
-    @property
-    def _at_a_time(self) -> int:
-        """Return how many simulations may run beside each other.
-
-        Models other than those run by kernels share what they simulate with, and would only wait.
-        """
-        return self.jobs if self.model.steady else 1
-
     @cached_property
     def _one_sided(self) -> frozenset[str]:
         """Return the effects whose size cannot be negative."""
@@ -157,7 +149,7 @@ class Hypotheses:
             return self._keeping(promises[name], base, hypothesis, reached, again)
 
         names = list(promises)
-        found = dict(zip(names, side_by_side(add, names, self._at_a_time), strict=True))
+        found = dict(zip(names, side_by_side(add, names, self.jobs), strict=True))
         for name, closer in found.items():
             if self.model.steady and explained(base, closer) < -DECISIVE:
                 self._hopeless.setdefault(name, []).append(base.hypothesis)
@@ -254,7 +246,7 @@ class Hypotheses:
         if self._from_nominal is None:
             self.progress("working out what each effect would change at nominal parameters")
             self._from_nominal = promises_from_nominal(
-                self.model, self.cases, self.baseline, names, self._one_sided, self._at_a_time
+                self.model, self.cases, self.baseline, names, self._one_sided, self.jobs
             )
         return self._from_nominal
 

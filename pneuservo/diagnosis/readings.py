@@ -12,6 +12,7 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Levels, Values
 from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, scores
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import signatures_of
 
 Cases = Sequence[Case]
@@ -44,7 +45,7 @@ class Reading:
 
 
 def ranked_readings(
-    model: Model, readings: Sequence[Cases], progress: Callable[[str], None]
+    model: Model, readings: Sequence[Cases], progress: Callable[[str], None], jobs: int = 1
 ) -> list[Reading]:
     """Return the ways to read some recordings, the likeliest first, a mixture among them.
 
@@ -56,6 +57,8 @@ def ranked_readings(
         The same recordings, each time read in another way.
     progress : callable
         Told what is being fitted.
+    jobs : int, optional
+        So many fits at a time.
 
     Notes
     -----
@@ -67,7 +70,7 @@ def ranked_readings(
     if len(readings) == 1:
         return [Reading(readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
-    ways, fits, unlikely = _with_mixtures(model, readings)
+    ways, fits, unlikely = _with_mixtures(model, readings, jobs)
     # Of mixtures only the likeliest is worth coming back to.
     best = _likeliest(unlikely)
     kept = [n for n in range(len(ways)) if n < len(readings) or n == best]
@@ -76,14 +79,14 @@ def ranked_readings(
 
 
 def _with_mixtures(
-    model: Model, readings: Sequence[Cases]
+    model: Model, readings: Sequence[Cases], jobs: int
 ) -> tuple[list[Cases], list[Fit], list[dict[int, float]]]:
     """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
 
     Each recording in its likeliest way first; then the likeliest of all, one recording turned at a
     time: beside a relay that was read wrongly a proportional loop seemed likelier read wrongly too.
     """
-    ways, fits = list(readings), _fitted_in_turn(model, readings, None)
+    ways, fits = list(readings), _baselines(model, readings, None, jobs)
     unlikely = _unlikely(model, ways, _values(ways, fits))
 
     def try_as_well(mixture: Cases) -> None:
@@ -216,6 +219,7 @@ def likelier_with(
     baseline: Fit,
     named: Fit,
     progress: Callable[[str], None],
+    jobs: int = 1,
 ) -> Reading | None:
     """Return the reading that a name makes likelier than the first of them, if there is one.
 
@@ -229,6 +233,8 @@ def likelier_with(
         Of the first, without the name and with it.
     progress : callable
         Told what is being fitted.
+    jobs : int, optional
+        So many fits at a time.
 
     Notes
     -----
@@ -244,7 +250,9 @@ def likelier_with(
     # It may have taken more than one fit to find it: the first is judged by the likelier.
     tried = (first, first, *others)
     fits = [named]
-    fits += [fit(model, r.cases, named.hypothesis, r.baseline) for r in tried[1:]]
+    fits += side_by_side(
+        lambda r: fit(model, r.cases, named.hypothesis, r.baseline), tried[1:], jobs
+    )
     ways = [reading.cases for reading in tried]
     unlikely = _unlikely(model, ways, _values(ways, fits))
     best = min(zip(tried, unlikely, strict=True), key=lambda each: sum(each[1].values()))[0]
@@ -295,7 +303,11 @@ def _by_recording(
 
 
 def likeliest_followed(
-    model: Model, cases: Cases, baseline: Fit | None, progress: Callable[[str], None]
+    model: Model,
+    cases: Cases,
+    baseline: Fit | None,
+    progress: Callable[[str], None],
+    jobs: int = 1,
 ) -> tuple[list[Case], Fit | None]:
     """Return recordings as they are best followed, and their baseline.
 
@@ -309,6 +321,8 @@ def likeliest_followed(
         Of the cases, where it is known.
     progress : callable
         Told what is being fitted.
+    jobs : int, optional
+        So many fits at a time.
 
     Notes
     -----
@@ -319,7 +333,7 @@ def likeliest_followed(
     if len(ways) == 1:
         return list(cases), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
-    fits = _fitted_in_turn(model, ways, baseline)
+    fits = _baselines(model, ways, baseline, jobs)
     values = _values(ways, fits)
     unlikely = [_by_recording(model, *each) for each in zip(ways, values, strict=True)]
     chosen = _likeliest_of_each(ways, unlikely)
@@ -357,10 +371,10 @@ def likeliest_held_back(model: Model, held_back: Cases, found: Fit, first: Case)
     return chosen
 
 
-def _fitted_in_turn(model: Model, ways: Sequence[Cases], first: Fit | None) -> list[Fit]:
+def _baselines(model: Model, ways: Sequence[Cases], first: Fit | None, jobs: int) -> list[Fit]:
     """Return the baselines, each begun where the first one, which may be known, has ended."""
-    first = first or fit(model, ways[0], Hypothesis())
-    return [first, *(refitted(model, way, first) for way in ways[1:])]
+    begun = first or fit(model, ways[0], Hypothesis())
+    return [begun, *side_by_side(lambda way: refitted(model, way, begun), ways[1:], jobs)]
 
 
 def _values(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:

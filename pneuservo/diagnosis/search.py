@@ -213,7 +213,7 @@ class Search(Rivals):
             if self.model.steady:
                 rise += FORM * max(explained(self.baseline, chosen), 0.0)
             self.fits[chosen.hypothesis] = with_profiles(
-                self.model, self.cases, chosen, keys, rise, self._at_a_time
+                self.model, self.cases, chosen, keys, rise, self.jobs
             )
 
     def give_up(self, why: str) -> None:

@@ -101,7 +101,7 @@ def advance(
     steps : int
         The interval is divided into so many equal steps.
     moves : (m, MOVED) array
-        How the spool moves in each step, from `pneuservo.diagnosis.models.servo.spool.follow_spool`;
+        How the spool moves in each step, see `pneuservo.diagnosis.models.servo.spool.follow_spool`;
         written where a flow force makes it feel the chambers.
     place : int
         The row of the first step.
