@@ -56,9 +56,7 @@ def test_a_command_that_runs_on_is_followed_in_long_steps(rig, values):
     running = with_observer(feed(recorded(rig, SlidingMode(), 3), rig), rig)
     assert running.steps.mean() < 1.1
     found = run_observer(running, values, rig)[:3]
-    exact = run_observer(
-        replace(running, steps=dividing(running.time, EXACT)), values, rig
-    )[:3]
+    exact = run_observer(replace(running, steps=dividing(running.time, EXACT)), values, rig)[:3]
     assert np.all(np.sum(((found - exact) / SIZES[:, None]) ** 2, axis=1) < 1.0)
 
 
