@@ -140,11 +140,18 @@ REATTACHMENT = Effect(
         "The jet clings to the wall at low pressure ratios and passes less or more; "
         "the model has one discharge coefficient."
     ),
-    equation="Cd = Cd0 (1 - loss) while attached: from Pr < attach until Pr > detach",
+    equation=(
+        "Cd = Cd0 (1 - loss) while attached: from Pr < attach until Pr > detach; at_supply of the "
+        "loss where the supply enters"
+    ),
     parameters=(
         EffectParameter(
             "loss", "", 0.0, -0.4, 0.4, (0.1,), "discharge coefficient lost, or gained below 0",
             "valve.attached_loss",
+        ),
+        EffectParameter(
+            "at_supply", "", 1.0, 0.0, 1.0, (1.0, 0.0), "share of it at the edges of the supply",
+            "valve.attached_at_supply",
         ),
         EffectParameter(
             "attach", "", 0.4, 0.1, 0.95, (0.5, 0.3), "ratio at which it attaches",

@@ -50,6 +50,8 @@ class ValveEffects(NamedTuple):
     """Volume between them and the silencer [m^3]."""
     attached_loss: float = 0.0
     """Discharge coefficient lost while the jet is attached to the wall, relative [-]."""
+    attached_at_supply: float = 1.0
+    """Share of that loss at the edges of the supply [-]."""
     attach_ratio: float = 0.4
     """Pressure ratio below which the jet attaches [-]."""
     detach_ratio: float = 0.6

@@ -98,7 +98,8 @@ def path_flow(
     valve, gas = plant.valve, plant.gas
     ratio = min(upstream, downstream) / max(upstream, downstream)
     volts, open_area = valve.full_voltage * opening, area * opening
-    factor = 1.0 - effects.valve.attached_loss * attached
+    lost = effects.valve.attached_loss * attached
+    factor = 1.0 - (lost if exhausts else effects.valve.attached_at_supply * lost)
     factor *= area_factor(opening, exhausts, port_b, effects.valve)
     coefficient = factor * discharge_coefficient(path, volts, ratio, grid)
     hose = throttling_area(effects.line)
