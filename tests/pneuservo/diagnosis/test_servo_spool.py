@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pneuservo.diagnosis.models.servo.command import held_command, running_command
-from pneuservo.diagnosis.models.servo.spool import arriving, move_spool
+from pneuservo.diagnosis.models.servo.spool import ENDED, arriving, follow_spool, move_spool
 from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.servo.layout import MEMORY, Servo
@@ -22,13 +22,8 @@ JUMP = 0.006
 def openings(effects, command):
     """Return where the spool is at every sample."""
     servo = Servo(PLANT, NEUTRAL._replace(spool=effects), OPEN_LOOP)
-    state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
-    found = [0.0]
-    for k in range(len(TIME) - 1):
-        since, until = TIME[k], TIME[k + 1]
-        move_spool(state, memory, TIME, command, k, since, until, 0.0, servo)
-        found.append(state[SPOOL])
-    return np.array(found)
+    moves = follow_spool(TIME, command, np.ones(len(TIME), np.int64), 0.0, servo)
+    return np.append(0.0, moves[:, ENDED])
 
 
 def step_response(time):
