@@ -1,11 +1,14 @@
 """What these recordings could show, and what they cannot tell apart."""
 
+import math
+
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import change_by
 from pneuservo.effects import Effect
 
@@ -14,6 +17,9 @@ DETECTABLE = 4.0
 method notes: below 4 a claim is not to be made)."""
 NAMEABLE = LEAST_GAIN**0.5
 """Length of the shortest signature that innovations are explained by."""
+SMALLEST = 1e-3
+"""Share of its usual size down to which an effect matters where no least is known of real parts: of
+leaks there are all sizes, and recordings of a piston at rest show a hundredth of the usual ones."""
 SAME_DIRECTION = 0.95
 """Signatures with a larger cosine count as one."""
 
@@ -55,20 +61,56 @@ def not_visible(search: Search) -> list[dict[str, str]]:
 
 
 def _faint(search: Search) -> list[dict[str, str]]:
-    """Return the effects that would not be named though as large as they usually are.
+    """Return the effects that may be as small as real ones are and not be named.
 
     For a search that has worked out how each would show at the size with which its fit begins.
     """
+    usual = search.pretence.visible(search.baseline)
+    effects = [
+        e for e in search.model.effects if e.id not in search.accepted and _compatible(search, e)
+    ]
+    shows = [effect for effect in effects if usual[effect.id].distinct >= NAMEABLE]
+    found = side_by_side(lambda effect: _at_its_smallest(search, effect), shows, search.jobs)
+    smallest = {effect.id: each for effect, each in zip(shows, found, strict=True)}
     hidden = []
-    for effect in search.model.effects:
-        if effect.id in search.accepted or not _compatible(search, effect):
-            continue
-        shown = search.pretence.visible(search.baseline)[effect.id]
-        if shown.distinct < NAMEABLE:
+    for effect in effects:
+        shown = usual[effect.id]
+        if effect.id not in smallest:
             absorbed = shown.length >= NAMEABLE
             why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
-            hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
+        elif smallest[effect.id][1] < NAMEABLE:
+            why = _too_small(effect, smallest[effect.id], shown.distinct)
+        else:
+            continue
+        hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
     return hidden
+
+
+def _usual(effect: Effect) -> float:
+    """Return by how much an effect's usual size differs from none."""
+    size = effect.parameters[0]
+    return size.starts[0] - size.neutral
+
+
+def _at_its_smallest(search: Search, effect: Effect) -> tuple[float, float]:
+    """Return how small an effect may be, and how much of it no refit would absorb then."""
+    parameter, usual = effect.parameters[0], _usual(effect)
+    smallest = min(parameter.least or SMALLEST * abs(usual), abs(usual))
+    values = {effect.key(p.name): p.starts[0] for p in effect.parameters[1:]}
+    values[effect.key(parameter.name)] = parameter.neutral + math.copysign(smallest, usual)
+    base = search.baseline
+    change = base.counted(change_by(search.model, search.cases, base, values))
+    return smallest, float(np.linalg.norm(base.beyond_refit(change)))
+
+
+def _too_small(effect: Effect, smallest: tuple[float, float], distinct: float) -> str:
+    """Return below what size an effect would not be named, as a power law goes between two."""
+    (least, faintest), usual = smallest, abs(_usual(effect))
+    rise = math.log(usual / least) / math.log(distinct / max(faintest, 1e-6 * distinct))
+    limit = usual * (NAMEABLE / distinct) ** rise
+    parameter = effect.parameters[0]
+    size = f"{limit:.1g} {parameter.unit}".strip()
+    return f"too small to show below {size} ({parameter.name.replace('_', ' ')})"
 
 
 def lookalikes(search: Search, parameter: str) -> list[str]:
