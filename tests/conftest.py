@@ -5,6 +5,13 @@ from pathlib import Path
 
 import pytest
 
+SLOWEST = ("test_servo_diagnosis.py", "test_readme.py", "test_no_effect_controls.py")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that take longest: the last one would have a process to itself."""
+    items.sort(key=lambda item: item.path.name not in SLOWEST)
+
 
 @pytest.fixture(scope="session")
 def real_recordings() -> Path:
