@@ -14,6 +14,7 @@ from pneuservo.diagnosis.judge import (
     SECOND_SHARE,
     TIED,
     UNDECIDED,
+    Judge,
     channel_gain,
     gain,
     is_impossible,
@@ -49,7 +50,7 @@ of another simulator with signatures of 11 to 57 standard deviations none reache
 
 
 @dataclass(frozen=True)
-class ByGain:
+class ByGain(Judge):
     """For innovations, in which noise and a small misfit cannot be told apart.
 
     A candidate is held against what it pretends to explain of imitations of the recordings, and

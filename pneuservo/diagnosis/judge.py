@@ -42,7 +42,7 @@ two laws for one effect then mean the same to a twentieth."""
 
 
 class Judge(Protocol):
-    """Decides over additions to a fit."""
+    """Decides over additions to a fit; what has an answer here seldom depends on the judge."""
 
     def earns(self, name: str, closer: Fit, drop: float) -> bool:
         """Return whether a candidate earns its place.
@@ -65,6 +65,7 @@ class Judge(Protocol):
         name
             As for `earns`.
         """
+        return 0.0
 
     def barred(self, name: str, closer: Fit) -> bool:
         """Return whether a candidate is not to be named whatever it explains.
@@ -74,6 +75,7 @@ class Judge(Protocol):
         name, closer
             As for `earns`.
         """
+        return False
 
     def only_relieves(self, name: str, closer: Fit) -> bool:
         """Return whether a candidate is barred for nothing but that it relieves parameters.
@@ -83,6 +85,7 @@ class Judge(Protocol):
         name, closer
             As for `earns`.
         """
+        return False
 
     def may_be_form(self, name: str, closer: Fit) -> bool:
         """Return whether forms of what was found so far may explain as much as a candidate.
@@ -92,6 +95,7 @@ class Judge(Protocol):
         name, closer
             As for `earns`.
         """
+        return False
 
     def acts_elsewhere(self, name: str, closer: Fit) -> bool:
         """Return whether a candidate explains what no other form of what was found would.
@@ -101,6 +105,7 @@ class Judge(Protocol):
         name, closer
             As for `earns`.
         """
+        return True
 
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
@@ -154,7 +159,7 @@ def channel_gain(current: Fit, closer: Fit, channel: str) -> float:
 
 
 @dataclass(frozen=True)
-class ByEvidence:
+class ByEvidence(Judge):
     """For models whose noise can be told from a misfit: the information criterion decides.
 
     Parameters
@@ -180,26 +185,6 @@ class ByEvidence:
             return drop > DECISIVE
         enough = self.share(closer) > SMALLEST_SHARE
         return enough or gain(self.current, closer) > LARGE_SHARE_OF_REST * self.rest
-
-    def least(self, name: str) -> float:
-        """Return nothing: it shows in the fit."""
-        return 0.0
-
-    def barred(self, name: str, closer: Fit) -> bool:
-        """Return that no candidate is."""
-        return False
-
-    def only_relieves(self, name: str, closer: Fit) -> bool:
-        """Return that no candidate does."""
-        return False
-
-    def may_be_form(self, name: str, closer: Fit) -> bool:
-        """Return that the criterion decides, whatever forms leave."""
-        return False
-
-    def acts_elsewhere(self, name: str, closer: Fit) -> bool:
-        """Return that it does not matter where it acts."""
-        return True
 
     def first_choice(
         self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
