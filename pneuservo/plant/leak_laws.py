@@ -39,7 +39,7 @@ def power_leak(pressure, ambient, coefficient, exponent):
 
 
 @compiled
-def mixed_leak(upstream_pressure, downstream_pressure, area, laminar, gas):
+def mixed_leak(upstream_pressure, downstream_pressure, area, laminar, temperature, gas):
     """Return the mass flow of a leak that is in part a hole and in part a narrow gap [kg/s].
 
     Parameters
@@ -50,25 +50,29 @@ def mixed_leak(upstream_pressure, downstream_pressure, area, laminar, gas):
         Effective area [m^2].
     laminar : float
         Share of the gap: 0 for a hole, 1 for a gap alone [-].
+    temperature : float
+        Of the gas that flows [K].
     gas : Gas
         The gas.
 
     Notes
     -----
     The gap's flow goes with the difference of the squared pressures (Richer and Hurmuzlu 2000);
-    real leaks lie between the two (Eryilmaz and Wilson 2000 of a spool's clearance).
+    real leaks lie between the two (Eryilmaz and Wilson 2000 of a spool's clearance). Warm gas is
+    thinner: through a hole less flows by the root of that, through a gap in proportion.
 
     Examples
     --------
     >>> from pneuservo.plant.gas import ideal_gas
     >>> air = ideal_gas(293.0, 287.0, 1.4)
-    >>> hole, gap = (mixed_leak(6e5, 0.0, 1e-9, share, air) for share in (0.0, 1.0))
+    >>> hole, gap = (mixed_leak(6e5, 0.0, 1e-9, share, 293.0, air) for share in (0.0, 1.0))
     >>> round(gap / hole, 9)
     1.0
     """
-    hole = gas_mass_flow(upstream_pressure, downstream_pressure, area, 1.0, gas)
+    thinner = gas.temperature / temperature
+    hole = gas_mass_flow(upstream_pressure, downstream_pressure, area, math.sqrt(thinner), gas)
     if laminar == 0.0:
         return hole
     squares = upstream_pressure * upstream_pressure - downstream_pressure * downstream_pressure
     choked = gas.choked_coefficient * area / math.sqrt(gas.temperature)
-    return (1.0 - laminar) * hole + laminar * choked * squares / GAP_REFERENCE
+    return (1.0 - laminar) * hole + laminar * choked * thinner * squares / GAP_REFERENCE

@@ -53,7 +53,7 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
     stroke : float
         [m].
     temperature : float
-        [K].
+        Of the gas that flows [K].
     effects : LeakageEffects
         The effects.
 
@@ -74,7 +74,7 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
 
 
 @compiled
-def outward_leak(pressure, ambient, area, laminar, coefficient, exponent, gas):
+def outward_leak(pressure, ambient, area, laminar, coefficient, exponent, temperature, gas):
     """Return the mass flow from a chamber to the outside [kg/s].
 
     Parameters
@@ -87,12 +87,15 @@ def outward_leak(pressure, ambient, area, laminar, coefficient, exponent, gas):
         Share of it that is a narrow gap [-].
     coefficient, exponent : float
         Flow at 1 bar gauge [kg/s] and power of a leak that opens under pressure.
+    temperature : float
+        Of the gas in the chamber [K].
     gas : Gas
         The gas.
     """
     flow = 0.0
     if area > 0.0:
-        flow += mixed_leak(pressure, ambient, area, laminar, gas)
+        flow += mixed_leak(pressure, ambient, area, laminar, temperature, gas)
     if coefficient > 0.0:
-        flow += power_leak(pressure, ambient, coefficient, exponent)
+        thinner = math.sqrt(gas.temperature / temperature)
+        flow += thinner * power_leak(pressure, ambient, coefficient, exponent)
     return flow

@@ -105,9 +105,10 @@ def _leaks(state, velocity, servo):
     """Return the leaks from a to b, and from each chamber to ambient [kg/s]."""
     plant, leak = servo.plant, servo.effects.leakage
     pa, pb, ambient, gas = state[PRESSURE_A], state[PRESSURE_B], plant.ambient_pressure, plant.gas
-    across = cross_leak(
-        pa, pb, state[DISPLACEMENT], velocity, plant.piston.stroke, gas.temperature, leak
-    )
+    warm_a = temperature_of(state, TEMPERATURE_A, servo)
+    warm_b = temperature_of(state, TEMPERATURE_B, servo)
+    passing = warm_a if pa >= pb else warm_b
+    across = cross_leak(pa, pb, state[DISPLACEMENT], velocity, plant.piston.stroke, passing, leak)
     out_a = outward_leak(
         pa,
         ambient,
@@ -115,6 +116,7 @@ def _leaks(state, velocity, servo):
         leak.chamber_a_laminar,
         leak.opening_a_coefficient,
         leak.opening_a_exponent,
+        warm_a,
         gas,
     )
     out_b = outward_leak(
@@ -124,6 +126,7 @@ def _leaks(state, velocity, servo):
         leak.rod_seal_laminar,
         leak.opening_b_coefficient,
         leak.opening_b_exponent,
+        warm_b,
         gas,
     )
     return across, out_a, out_b

@@ -224,9 +224,10 @@ def valve_flows(opening, state, memory, supply, servo, grid):
         share = null_leakage_share(opening, effects)
         end, gas = exhaust_pressure(memory, servo), plant.gas
         gap = effects.null_leakage_laminar
-        into_a = mixed_leak(supply, pa, share * valve.area_s_a, gap, gas)
-        into_b = mixed_leak(supply, pb, share * valve.area_s_b, gap, gas)
-        flow_a += into_a - mixed_leak(pa, end, share * valve.area_a_e, gap, gas)
-        flow_b += into_b - mixed_leak(pb, end, share * valve.area_b_e, gap, gas)
+        cold = gas.temperature
+        into_a = mixed_leak(supply, pa, share * valve.area_s_a, gap, cold, gas)
+        into_b = mixed_leak(supply, pb, share * valve.area_s_b, gap, cold, gas)
+        flow_a += into_a - mixed_leak(pa, end, share * valve.area_a_e, gap, warm_a, gas)
+        flow_b += into_b - mixed_leak(pb, end, share * valve.area_b_e, gap, warm_b, gas)
         drawn += into_a + into_b
     return flow_a, flow_b, drawn
