@@ -1,5 +1,7 @@
 """Fits of the servo: they reach the optimum, and never end worse than they began."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from servo_recordings import noisy, recorded
@@ -117,3 +119,19 @@ def test_a_fit_finds_the_side_of_a_ridge_that_the_recording_is_on():
     found = beyond_ridges(model, held, fit(model, held, Hypothesis()))
     assert found.shared[key] == pytest.approx(calmer[key], rel=0.02)
     assert found.rms < 1.05
+
+
+def test_a_fit_that_has_come_to_a_bound_ends_where_others_do():
+    # A dogleg was cut short there, 17 above what it reaches from elsewhere.
+    rig, leak = load_rig("single-axis"), "leakage.chamber-a"
+    leaking = rig.with_values(
+        {f"{leak}:area": 3e-10, f"{leak}:laminar": 0.5, "chamber.heat-transfer:conductance": 0.1}
+    )
+    model = model_of(rig.kind)
+    cases = model.cases(recorded(leaking, Proportional(), 5, duration=3.0), rig)
+    warm = Hypothesis().adding("chamber.heat-transfer")
+    beside = fit(model, cases, warm, fit(model, cases, Hypothesis()))
+    found = polished(model, cases, fit(model, cases, warm.adding(leak), beside))
+    for share in (0.0, 0.5, 1.0):
+        begun = replace(found, shared=found.shared | {f"{leak}:laminar": share})
+        assert abs(explained(found, polished(model, cases, begun))) < 1.0
