@@ -35,6 +35,7 @@ _STOP_TEST = (
     "stop test: lock the piston, open the valve for 0.1 s, close it and watch the pressure for "
     "2 s; the same for venting"
 )
+_TO_THE_WALLS = "heat to the walls"
 SERVO_HEAT_TRANSFER = Effect(
     id="chamber.heat-transfer",
     block="chamber.a",
@@ -52,6 +53,7 @@ SERVO_HEAT_TRANSFER = Effect(
     ),
     source="Carneiro and Gomes de Almeida 2006, Proc. IMechE I 220; thesis equation (4.10)",
     experiment=_STOP_TEST,
+    group=_TO_THE_WALLS,
 )  # fmt: skip
 INLET_TEMPERATURE = Effect(
     id="chamber.inlet-temperature",
@@ -95,6 +97,7 @@ WALL_WARMING = Effect(
     ),
     source="Carneiro and Gomes de Almeida 2006; 2 to 15 K over minutes of cycling",
     experiment="thermocouple on the wall; repeat after a rest",
+    group=_TO_THE_WALLS,
 )  # fmt: skip
 PORT_COVERING = Effect(
     id="chamber.port-covering",
@@ -135,6 +138,7 @@ MOISTURE = Effect(
     ),
     source="latent heat of condensation; thesis mentions freezing",
     experiment="stop tests of charging and venting with dried and with humid air",
+    group=_TO_THE_WALLS,
 )  # fmt: skip
 EFFECTS = (
     HEAT_TRANSFER,
