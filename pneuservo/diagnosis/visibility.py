@@ -1,6 +1,7 @@
 """What these recordings could show, and what they cannot tell apart."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,6 +25,8 @@ SAME_DIRECTION = 0.95
 """Signatures with a larger cosine count as one."""
 
 _RUNAWAY = 1e12
+_ABSORBED = "absorbed by the parameters that are fitted with it"
+_TOO_SMALL = "too small"
 
 
 def not_visible(search: Search) -> list[dict[str, str]]:
@@ -39,15 +42,24 @@ def not_visible(search: Search) -> list[dict[str, str]]:
     list of dict
         ``effect``, ``why`` and the ``experiment`` that would show it.
     """
-    if search.model.steady:
-        return _faint(search)
+    effects = [
+        e for e in search.model.effects if e.id not in search.accepted and _compatible(search, e)
+    ]
+    reasons = (_faint if search.model.steady else _within_noise)(search, effects)
+    return [
+        {"effect": effect.id, "why": reasons[effect.id], "experiment": effect.experiment}
+        for effect in effects
+        if effect.id in reasons
+    ]
+
+
+def _within_noise(search: Search, effects: Sequence[Effect]) -> dict[str, str]:
+    """Return why some effects would not show though as large as they can be."""
     chosen = search.chosen
     basis = np.linalg.qr(chosen.jacobian)[0] if chosen.jacobian.size else None
     spread = chosen.rms * float(np.sqrt(chosen.samples / chosen.all_effective))
-    hidden = []
-    for effect in search.model.effects:
-        if effect.id in search.accepted or not _compatible(search, effect):
-            continue
+    reasons = {}
+    for effect in effects:
         signature = _signature_at_full_size(search, chosen, effect)
         whole = float(np.linalg.norm(signature))
         rest = whole
@@ -55,35 +67,28 @@ def not_visible(search: Search) -> list[dict[str, str]]:
             rest = float(np.linalg.norm(signature - basis @ (basis.T @ signature)))
         if rest / spread < DETECTABLE:
             absorbed = whole > 2.0 * rest and whole / spread >= DETECTABLE
-            why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
-            hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
-    return hidden
+            reasons[effect.id] = _ABSORBED if absorbed else _TOO_SMALL
+    return reasons
 
 
-def _faint(search: Search) -> list[dict[str, str]]:
-    """Return the effects that may be as small as real ones are and not be named.
+def _faint(search: Search, effects: Sequence[Effect]) -> dict[str, str]:
+    """Return why some effects, as small as real ones may be, would not be named.
 
     For a search that has worked out how each would show at the size with which its fit begins.
     """
     usual = search.pretence.visible(search.baseline)
-    effects = [
-        e for e in search.model.effects if e.id not in search.accepted and _compatible(search, e)
-    ]
     shows = [effect for effect in effects if usual[effect.id].distinct >= NAMEABLE]
     found = side_by_side(lambda effect: _at_its_smallest(search, effect), shows, search.jobs)
-    smallest = {effect.id: each for effect, each in zip(shows, found, strict=True)}
-    hidden = []
+    reasons = {
+        effect.id: _below(effect, smallest, usual[effect.id].distinct)
+        for effect, smallest in zip(shows, found, strict=True)
+        if smallest[1] < NAMEABLE
+    }
     for effect in effects:
         shown = usual[effect.id]
-        if effect.id not in smallest:
-            absorbed = shown.length >= NAMEABLE
-            why = "absorbed by the parameters that are fitted with it" if absorbed else "too small"
-        elif smallest[effect.id][1] < NAMEABLE:
-            why = _too_small(effect, smallest[effect.id], shown.distinct)
-        else:
-            continue
-        hidden.append({"effect": effect.id, "why": why, "experiment": effect.experiment})
-    return hidden
+        if shown.distinct < NAMEABLE:
+            reasons[effect.id] = _ABSORBED if shown.length >= NAMEABLE else _TOO_SMALL
+    return reasons
 
 
 def _usual(effect: Effect) -> float:
@@ -103,14 +108,14 @@ def _at_its_smallest(search: Search, effect: Effect) -> tuple[float, float]:
     return smallest, float(np.linalg.norm(base.beyond_refit(change)))
 
 
-def _too_small(effect: Effect, smallest: tuple[float, float], distinct: float) -> str:
+def _below(effect: Effect, smallest: tuple[float, float], distinct: float) -> str:
     """Return below what size an effect would not be named, as a power law goes between two."""
     (least, faintest), usual = smallest, abs(_usual(effect))
     rise = math.log(usual / least) / math.log(distinct / max(faintest, 1e-6 * distinct))
     limit = usual * (NAMEABLE / distinct) ** rise
     parameter = effect.parameters[0]
     size = f"{limit:.1g} {parameter.unit}".strip()
-    return f"too small to show below {size} ({parameter.name.replace('_', ' ')})"
+    return f"{_TOO_SMALL} to show below {size} ({parameter.name.replace('_', ' ')})"
 
 
 def lookalikes(search: Search, parameter: str) -> list[str]:

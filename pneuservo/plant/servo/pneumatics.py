@@ -101,12 +101,10 @@ def _hose_rates(valve_flow, flow, port_pressure, pressure, area, dead_volume, se
 
 
 @compiled
-def _leaks(state, velocity, servo):
+def _leaks(state, velocity, warm_a, warm_b, servo):
     """Return the leaks from a to b, and from each chamber to ambient [kg/s]."""
     plant, leak = servo.plant, servo.effects.leakage
     pa, pb, ambient, gas = state[PRESSURE_A], state[PRESSURE_B], plant.ambient_pressure, plant.gas
-    warm_a = temperature_of(state, TEMPERATURE_A, servo)
-    warm_b = temperature_of(state, TEMPERATURE_B, servo)
     passing = warm_a if pa >= pb else warm_b
     across = cross_leak(pa, pb, state[DISPLACEMENT], velocity, plant.piston.stroke, passing, leak)
     out_a = outward_leak(
@@ -144,7 +142,9 @@ def _write_chamber_rates(state, velocity, flow_a, flow_b, now, servo, rate):
     """Write the rates of both chambers from the flows that reach them."""
     plant = servo.plant
     piston, x = plant.piston, state[DISPLACEMENT]
-    across, out_a, out_b = _leaks(state, velocity, servo)
+    warm_a = temperature_of(state, TEMPERATURE_A, servo)
+    warm_b = temperature_of(state, TEMPERATURE_B, servo)
+    across, out_a, out_b = _leaks(state, velocity, warm_a, warm_b, servo)
     rate[PRESSURE_A], warming_a, wall_rate_a = _chamber_rates(
         flow_a,
         -across,
@@ -154,7 +154,7 @@ def _write_chamber_rates(state, velocity, flow_a, flow_b, now, servo, rate):
         velocity,
         piston.area_a,
         plant.dead_volume_a,
-        temperature_of(state, TEMPERATURE_A, servo),
+        warm_a,
         temperature_of(state, WALL_A, servo),
         servo,
     )
@@ -167,7 +167,7 @@ def _write_chamber_rates(state, velocity, flow_a, flow_b, now, servo, rate):
         -velocity,
         piston.area_b,
         plant.dead_volume_b,
-        temperature_of(state, TEMPERATURE_B, servo),
+        warm_b,
         temperature_of(state, WALL_B, servo),
         servo,
     )

@@ -72,7 +72,9 @@ def carry_on(
     drive,
     servo,
     grid,
-    work,
+    rate,
+    moved,
+    start,
 ):
     """Carry the covariance on by one interval.
 
@@ -94,8 +96,8 @@ def carry_on(
         Whether the motion is taken over.
     variance : (3,) array
         Of the noise of each reading, SI.
-    work : (3, m) array
-        Room to work in.
+    rate, moved, start : (m,) array
+        Room to work in, as long as the state.
 
     Returns
     -------
@@ -106,7 +108,6 @@ def carry_on(
     plant = servo.plant
     piston, mass = plant.piston, plant.piston.mass
     change = np.zeros((ESTIMATED, ESTIMATED))
-    rate, moved, start = work[0], work[1], work[2]
     start[:] = state
     pneumatic_rates(start, speed, memory, rows, drive, 0.0, servo, grid, rate)
     if not held:

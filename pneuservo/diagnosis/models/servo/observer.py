@@ -171,8 +171,8 @@ def observe(
     modes = np.zeros(3, np.int64)
     modes[SPOOL_LIMIT] = SPOOL_FREE
     memory, rows = np.zeros(MEMORY), np.zeros((PAST_ROWS, PAST_COLUMNS))
-    drive, work = np.zeros((2, INPUTS)), np.zeros((3, len(state)))
-    rate, total, start = work[0], work[1], work[2]
+    drive = np.zeros((2, INPUTS))
+    rate, total, start = np.zeros_like(state), np.zeros_like(state), np.zeros_like(state)
     drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = command[0, 0], supply[0], time[0]
     begin(state, modes, memory, rows, drive, servo, grid)
     nominal, servo = servo, drifted(servo, time[0])
@@ -212,7 +212,9 @@ def observe(
                 drive,
                 servo,
                 grid,
-                work,
+                rate,
+                total,
+                start,
             )
         for i in range(3):
             before[i], after[i] = true[i, k], true[i, k + 1]
