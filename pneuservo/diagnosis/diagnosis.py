@@ -9,18 +9,14 @@ from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import beyond_ridges
+from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.held_back import HeldBack, times_missed
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
+from pneuservo.diagnosis.late import likelier_if_late
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.models.model import Misfit
-from pneuservo.diagnosis.readings import (
-    Reading,
-    likelier_if_late,
-    likelier_with,
-    likeliest_followed,
-    ranked_readings,
-)
+from pneuservo.diagnosis.readings import Reading, likelier_with, ranked_readings
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.side_by_side import side_by_side

@@ -7,10 +7,10 @@ import numpy as np
 
 from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.followed import likeliest_held_back
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Table
-from pneuservo.diagnosis.readings import likeliest_held_back
 from pneuservo.diagnosis.tabulated import Tabulated, of_channels, without_table
 
 BEYOND_DOUBT = 10.0 * LEAST_GAIN

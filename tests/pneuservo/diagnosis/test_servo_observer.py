@@ -14,7 +14,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
     weigh,
 )
 from pneuservo.diagnosis.models.servo.estimate import with_observer
-from pneuservo.diagnosis.models.servo.feed import feed
+from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import ASTRAY, run_observer
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER, wander
 from pneuservo.recordings import Recording

@@ -8,14 +8,10 @@ from servo_recordings import NOISE, noisy, recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.followed import likeliest_followed, likeliest_held_back
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.readings import (
-    likelier_with,
-    likeliest_followed,
-    likeliest_held_back,
-    ranked_readings,
-)
+from pneuservo.diagnosis.readings import likelier_with, ranked_readings
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate

@@ -6,7 +6,7 @@ from servo_recordings import noisy
 
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.command import running_command
-from pneuservo.diagnosis.models.servo.feed import feed
+from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point, jumping
 from pneuservo.diagnosis.readings import ranked_readings

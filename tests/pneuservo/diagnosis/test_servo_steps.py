@@ -9,7 +9,7 @@ from servo_recordings import NOISE, recorded
 from pneuservo.controllers import DigitalSlidingMode, Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.between_samples import with_held_command
 from pneuservo.diagnosis.models.servo.estimate import with_observer
-from pneuservo.diagnosis.models.servo.feed import feed
+from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import run_observer
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.steps import dividing, steps_along, steps_beside

@@ -6,7 +6,8 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
-from pneuservo.diagnosis.models.servo.feed import Feed, with_spread
+from pneuservo.diagnosis.models.servo.feed import Feed
+from pneuservo.diagnosis.models.servo.moved import with_spread
 from pneuservo.diagnosis.models.servo.set_point import at_once, jumping
 from pneuservo.rigs import Rig
 

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pneuservo.diagnosis.models.servo.feed import Feed, moved_by
+from pneuservo.diagnosis.models.servo.feed import Feed
+from pneuservo.diagnosis.models.servo.moved import moved_by
 from pneuservo.diagnosis.models.servo.run_observer import learn_to_observe
 from pneuservo.diagnosis.models.servo.steps import steps_along
 from pneuservo.rigs import Rig

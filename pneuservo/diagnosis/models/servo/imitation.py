@@ -9,7 +9,8 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.servo.between_samples import read_alike
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
-from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed, feed
+from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed
+from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
 from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording

@@ -7,7 +7,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.hum import hum_in, repeats
 from pneuservo.diagnosis.models.model import (
     Array,
     Case,
@@ -25,16 +24,13 @@ from pneuservo.diagnosis.models.servo.between_samples import (
     with_set_point_in_steps,
 )
 from pneuservo.diagnosis.models.servo.command import is_relay
-from pneuservo.diagnosis.models.servo.estimate import with_gains, with_observer
+from pneuservo.diagnosis.models.servo.estimate import with_gains
 from pneuservo.diagnosis.models.servo.feed import (
     AT_REST,
     CHANNELS,
-    FOLLOWED,
     PRESSURES,
     SUPPLY,
     Feed,
-    feed,
-    held_at_stops,
 )
 from pneuservo.diagnosis.models.servo.imitation import imitated
 from pneuservo.diagnosis.models.servo.likelihood import (
@@ -50,28 +46,26 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     ZERO_SPREAD,
 )
 from pneuservo.diagnosis.models.servo.misfit import misfit_of
+from pneuservo.diagnosis.models.servo.moved import held_at_stops
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import (
     REVERSAL,
     SUPPLY_LEVEL,
     ZERO_FORCE,
     forces_at_rest,
-    run_observer,
 )
 from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
 from pneuservo.diagnosis.models.servo.trust import steadily, unsure
+from pneuservo.diagnosis.models.servo.without_hum import AsGiven, without_hum
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
 from pneuservo.plant.servo.unexplained_effects import QUANTITIES
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
-
-AsGiven = Callable[[Feed, Rig], Feed]
-"""One way to read or to follow a recording."""
 
 _JUDGED = (
     ("displacement", "m"),
@@ -87,11 +81,9 @@ _FEWEST_RESTS = 4
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _REVERSALS = (0.2, 20.0)
 """Limits of the speed over which friction turns round, in resolutions of the velocity."""
-_HUM_PASSES = 2
 _STANDS_STILL = 0.5
 """Share of the intervals in which a command does that comes from a table and not from a loop."""
 _ROWS = (*CHANNELS, AT_REST)
-_PLACE = CHANNELS.index("displacement")
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
 
@@ -151,7 +143,7 @@ class ServoModel(Model):
         return self._read(recording, rig, with_running_command)
 
     def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven) -> list[Case]:
-        recording, fed = _without_hum(recorded, rig, as_given)
+        recording, fed = without_hum(recorded, rig, as_given)
         if "stick-mask" in self.without:
             fed = with_gains(held_at_stops(fed, rig), rig)
         found: list[Case] = []
@@ -356,41 +348,6 @@ class ServoModel(Model):
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by motion, place, opening, pressure ratio and time."""
         return regimes_of(case.inputs["feed"], case.rig)
-
-
-def _without_hum(recording: Recording, rig: Rig, as_given: AsGiven) -> tuple[Recording, Feed]:
-    """Return a recording without mains hum, and its feed.
-
-    Innovations show a line as it is read; what is taken out shows what the motion had taken up.
-    """
-    fed = _fed(recording, rig, as_given)
-    if repeats(fed.voltage, fed.interval):
-        return recording, fed
-    for _ in range(_HUM_PASSES):
-        noise = fed.noise_of(CHANNELS)
-        left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
-        shares = np.ones((len(CHANNELS), len(fed.time)))
-        shares[: len(FOLLOWED)] = fed.shares.T
-        if len(fed.spool_reading):
-            shares[CHANNELS.index("spool")] = fed.spool_shares
-        # While the piston sticks it is not judged, but there hum shows best.
-        smoothed_out = np.nan_to_num(fed.reading - fed.motion[0]) / noise[_PLACE]
-        left[_PLACE, fed.held] = smoothed_out[fed.held]
-        shares[_PLACE, fed.held] = 1.0
-        hum = hum_in(list(left), list(shares), fed.time)
-        if not np.any(hum):
-            break
-        channels = dict(recording.channels)
-        for name, waves, scale in zip(CHANNELS, hum, noise, strict=True):
-            if name in channels:
-                channels[name] = channels[name] - scale * waves
-        recording = replace(recording, channels=channels)
-        fed = _fed(recording, rig, as_given)
-    return recording, fed
-
-
-def _fed(recording: Recording, rig: Rig, as_given: AsGiven) -> Feed:
-    return with_observer(as_given(feed(recording, rig), rig), rig)
 
 
 def _followed(cases: Sequence[Case], as_given: AsGiven) -> list[Case]:

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pneuservo.diagnosis.models.servo.feed import Feed, with_spread
+from pneuservo.diagnosis.models.servo.feed import Feed
+from pneuservo.diagnosis.models.servo.moved import with_spread
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY_AT_REST
 from pneuservo.rigs import Rig
 

@@ -1,0 +1,109 @@
+"""What something late would make of the ways to read recordings: it looks like one of them."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from pneuservo.diagnosis.fit import Fit, gained_most
+from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.judge import LEAST_GAIN
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.readings import Reading
+from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, scores
+from pneuservo.diagnosis.signatures import signatures_of
+from pneuservo.diagnosis.ways import Cases
+
+_LATE_WORTH_FITTING = 2
+"""So many effects that are late, those that promise most, are fitted to a way of reading."""
+
+
+def likelier_if_late(
+    model: Model, ranked: Sequence[Reading], progress: Callable[[str], None], jobs: int = 1
+) -> Reading | None:
+    """Return the reading that something late would make likelier than the first, if there is one.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    ranked : sequence of Reading
+        From `ranked_readings`.
+    progress : callable
+        Told what is being worked out.
+    jobs : int, optional
+        So many effects at a time.
+
+    Notes
+    -----
+    A command that runs on acts half a sample later than one that is held, and is less sure: read
+    so, a spool or a hose that is late hardly shows. (A motor too weak for its spool promised 358
+    where the command ran on and 15,900 where it was held, which was less likely by 9,800.) Only
+    what stands still and jumps is asked: read as held, the command of an analogue loop comes half a
+    sample early, and whatever is late would mend that.
+    """
+    first = ranked[0]
+    others = [
+        other
+        for other in ranked[1:]
+        if other.baseline
+        and _misfit(other.baseline) > other.unlikely - first.unlikely
+        and all(model.stored(case) for case in _read_otherwise(other.cases, first.cases))
+    ]
+    if not others:
+        return None
+    progress("asking what something late would make of the ways to read the recordings")
+    promises = {id(reading): _promised_if_late(model, reading, jobs) for reading in others}
+    near = [
+        other
+        for other in others
+        if MOST_OVER_PROMISE * max(promises[id(other)].values(), default=0.0)
+        > other.unlikely - first.unlikely + LEAST_GAIN
+    ]
+    if not near:
+        return None
+    promises[id(first)] = _promised_if_late(model, first, jobs)
+    tried = (first, *near)
+    unlikely = [
+        reading.unlikely - _explained_if_late(model, reading, promises[id(reading)])
+        for reading in tried
+    ]
+    best = min(range(len(tried)), key=unlikely.__getitem__)
+    return tried[best] if unlikely[best] < unlikely[0] - LEAST_GAIN else None
+
+
+def _read_otherwise(one: Cases, other: Cases) -> list[Case]:
+    """Return the cases of recordings that are not read in the same way."""
+    same = {id(case) for case in other}
+    return [case for case in one if id(case) not in same]
+
+
+def _misfit(baseline: Fit) -> float:
+    """Return the sum of squares beyond noise, which is what an effect may explain at most."""
+    return sum(max(float(r @ r) - len(r), 0.0) for r in baseline.residuals)
+
+
+def _promised_if_late(model: Model, reading: Reading, jobs: int) -> dict[str, float]:
+    """Return what each effect that is late promises to explain, in noise."""
+    if reading.baseline is None:
+        return {}
+    effects = [effect for effect in model.effects if effect.block in model.late]
+    base = reading.baseline.in_noise
+    signatures = signatures_of(model, reading.cases, base, jobs, effects)
+    one_sided = {effect.id for effect in effects if effect.parameters[0].low >= 0.0}
+    return scores(base, signatures, list(signatures), one_sided)
+
+
+def _explained_if_late(model: Model, reading: Reading, promises: Mapping[str, float]) -> float:
+    """Return the most that an effect which is late explains, of the two that promise most."""
+    baseline = reading.baseline
+    if baseline is None:
+        return 0.0
+    best = sorted(promises, key=promises.__getitem__, reverse=True)[:_LATE_WORTH_FITTING]
+    return max(
+        (
+            gained_most(
+                baseline, fit(model, reading.cases, baseline.hypothesis.adding(name), baseline)
+            )
+            for name in best
+            if MOST_OVER_PROMISE * promises[name] > LEAST_GAIN
+        ),
+        default=0.0,
+    )

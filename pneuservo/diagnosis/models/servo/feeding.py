@@ -1,0 +1,127 @@
+"""A recording of the servo turned into what its observer is fed with."""
+
+import math
+
+import numpy as np
+
+from pneuservo.diagnosis.models.servo.command import running_command, unseen
+from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, SUPPLY, Array, Feed
+from pneuservo.diagnosis.models.servo.moved import SLOWEST_MOTION, moved_by
+from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
+from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.recordings import Recording
+from pneuservo.rigs import Rig
+
+FINEST = 1e-4
+"""No transducer is taken to be better than this, as a share of stroke, supply pressure and full
+opening, unless its noise is stated: in recordings without any noise, what is made of a command
+between its samples and of a motion that is smoothed was explained by delays."""
+PRESSURE_SMOOTHING = 3e-3
+"""Time over which pressures are averaged where their rate is wanted [s]."""
+
+
+def feed(recording: Recording, rig: Rig) -> Feed:
+    """Return a recording as the observer of the servo is fed with it.
+
+    Parameters
+    ----------
+    recording : Recording
+        With valve voltage and displacement; pressures that it lacks are guessed roughly, see
+        `pneuservo.diagnosis.models.servo.estimate`.
+    rig : Rig
+        The rig it was taken on.
+
+    Returns
+    -------
+    Feed
+        In SI.
+    """
+    time, interval = recording.time, recording.sampling_interval
+    noise = {
+        channel: recording.noise_rms.get(channel) or _noise(recording, channel, rig)
+        for channel in CHANNELS
+        if channel in recording
+    }
+    voltage = _closed(recording["valve_voltage"], time)
+    set_point, gain, told = np.empty(0), 0.0, None
+    if "demand" in recording:
+        set_point = _closed(recording["demand"], time)
+        gain = gain_of_set_point(time, voltage, set_point, _closed(recording["displacement"], time))
+        told = at_once(voltage, set_point, gain)
+    force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
+    pressures = _pressures(recording, rig, float(force[0]))
+    loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
+    spread_of_force = math.hypot(*loads)
+    fed = Feed(
+        time=time,
+        voltage=voltage,
+        command=running_command(time, voltage, rig["valve.full_voltage"], told),
+        unseen=unseen(voltage, told),
+        set_point=set_point,
+        gain_of_set_point=gain,
+        reading=recording["displacement"],
+        motion=np.zeros((3, len(time))),
+        pressures=pressures,
+        measured=tuple(name in recording for name in PRESSURES),
+        pressure_rates=np.array([_rate(p, interval) for p in pressures]),
+        supply=_supply(recording, interval),
+        supply_reading=recording.channels.get(SUPPLY, np.empty(0)),
+        spool_reading=recording.channels.get("spool", np.empty(0)),
+        force=force,
+        held=np.zeros(len(time), dtype=bool),
+        reversal=SLOWEST_MOTION,
+        velocity_rms=np.full_like(time, SLOWEST_MOTION),
+        touching=np.zeros(len(time), dtype=bool),
+        striking=np.zeros(len(time), dtype=bool),
+        resting=np.zeros(len(time), dtype=np.int64),
+        stuck=np.zeros(len(time), dtype=bool),
+        spread=np.zeros((2, len(time))),
+        noise=noise,
+        spread_of_force=spread_of_force,
+    )
+    return moved_by(fed, rig, spread_of_force if all(fed.measured) else None)
+
+
+def _noise(recording: Recording, channel: str, rig: Rig) -> float:
+    """Return the noise of a channel of which nothing is stated [SI]."""
+    largest = {"displacement": rig["piston.stroke"], "spool": 1.0}.get(
+        channel, rig["supply.pressure"]
+    )
+    return max(noise_floor(recording[channel], recording.time), FINEST * largest)
+
+
+def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
+    """Return both pressures, a missing one as it would be with the piston at rest."""
+    from pneuservo.plant.from_rig import single_axis
+    from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B
+    from pneuservo.simulation.initial_state import InitialState
+
+    time = recording.time
+    known = {name: _closed(recording[name], time) for name in PRESSURES if name in recording}
+    start = InitialState(**{name: float(values[0]) for name, values in known.items()})
+    plant = single_axis(rig)
+    state = start.state(plant, 0.5 * plant.piston.stroke, force)
+    places = dict(zip(PRESSURES, (PRESSURE_A, PRESSURE_B), strict=True))
+    return np.array([known.get(n, np.full_like(time, state[places[n]])) for n in PRESSURES])
+
+
+def _closed(samples: Array, time: Array) -> Array:
+    good = np.isfinite(samples)
+    return np.asarray(np.interp(time, time[good], samples[good]))
+
+
+def _rate(samples: Array, interval: float) -> Array:
+    from scipy.signal import savgol_filter
+
+    window = max(5, 2 * round(PRESSURE_SMOOTHING / interval) + 1)
+    return np.asarray(savgol_filter(samples, min(window, len(samples) | 1), 2, 1, interval))
+
+
+def _supply(recording: Recording, interval: float) -> Array | None:
+    from scipy.ndimage import uniform_filter1d
+
+    if SUPPLY not in recording:
+        return None
+    width = max(1, round(PRESSURE_SMOOTHING / interval))
+    closed = _closed(recording[SUPPLY], recording.time)
+    return np.asarray(uniform_filter1d(closed, width, mode="nearest"))

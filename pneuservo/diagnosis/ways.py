@@ -1,0 +1,143 @@
+"""Several ways to read or to follow recordings, and how unlikely each makes them."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fitting import fit, refitted
+from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import Levels, Values
+from pneuservo.diagnosis.problem import values_in_each
+from pneuservo.diagnosis.side_by_side import side_by_side
+
+Cases = Sequence[Case]
+_MOST_FORGIVEN = 4.0
+"""So many times the least of what the ways of reading leave all over, squared, decides nothing."""
+
+
+def unlikeliness_in(
+    model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
+) -> list[dict[int, float]]:
+    """Return how unlikely each recording is in each of some ways.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    ways : sequence of sequences of Case
+        The same recordings, each time in another way.
+    values : sequence of sequences of mapping
+        What is known of each case of each way, see `values_in`.
+
+    Returns
+    -------
+    list of dict of int to float
+        Of each way, by identity of the recording: twice the negative log-likelihood.
+
+    Notes
+    -----
+    Residuals count in what is left all over, so that this decides nothing; but those of a recording
+    of which one of the ways leaves no more than noise, in any channel, count in noise, and none in
+    far more than one of the ways leaves: a relay that switches between its samples was left at 18
+    times the noise where it was held, at 1.1 times where it ran on, and all of it forgiven.
+    """
+    found = [model.levels(way, known) for way, known in zip(ways, values, strict=True)]
+    misfits = [{key[0] for key, level in levels.items() if level > 1.0} for levels in found]
+    forgiven = set.intersection(*misfits)
+    least = {key: min(levels.get(key, math.inf) for levels in found) for key in found[0]}
+    return [
+        by_recording(
+            model,
+            way,
+            known,
+            {
+                key: min(level, _MOST_FORGIVEN * least.get(key, level))
+                if key[0] in forgiven
+                else 1.0
+                for key, level in levels.items()
+            },
+        )
+        for way, known, levels in zip(ways, values, found, strict=True)
+    ]
+
+
+def by_recording(
+    model: Model, cases: Cases, values: Sequence[Values], levels: Levels | None = None
+) -> dict[int, float]:
+    """Return how unlikely each recording is.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    cases : sequence of Case
+        In one way.
+    values : sequence of mapping
+        What is known of each case.
+    levels : mapping, optional
+        What residuals count in; noise without them.
+    """
+    found = {}
+    for recording in dict.fromkeys(id(case.origin) for case in cases):
+        mine = [i for i, case in enumerate(cases) if id(case.origin) == recording]
+        found[recording] = model.unlikeliness(
+            [cases[i] for i in mine], [values[i] for i in mine], levels
+        )
+    return found
+
+
+def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None, jobs: int) -> list[Fit]:
+    """Return the baselines, each begun where the first one has ended.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    ways : sequence of sequences of Case
+        The same recordings, each time in another way.
+    first : Fit or None
+        To the first of them, where it is known.
+    jobs : int
+        So many fits at a time.
+    """
+    begun = first or fit(model, ways[0], Hypothesis())
+    return [begun, *side_by_side(lambda way: refitted(model, way, begun), ways[1:], jobs)]
+
+
+def values_in(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:
+    """Return what a fit to each of some ways says of its cases."""
+    return [
+        values_in_each(way, way[0], found.shared, found.own)
+        for way, found in zip(ways, fits, strict=True)
+    ]
+
+
+def values_elsewhere(
+    ways: Sequence[Cases], first: Case, found: Fit
+) -> list[list[dict[str, float]]]:
+    """Return what a fit says of recordings that it was not made of, in each of some ways."""
+    return [values_in_each(way, first, found.shared, [{}] * len(way)) for way in ways]
+
+
+def likeliest_of_each(ways: Sequence[Cases], unlikely: Sequence[Mapping[int, float]]) -> list[Case]:
+    """Return every recording's cases in the way in which it is likeliest.
+
+    Parameters
+    ----------
+    ways : sequence of sequences of Case
+        The same recordings, each time in another way.
+    unlikely : sequence of mapping
+        From `unlikeliness_in`, or of each way from `by_recording`.
+    """
+    return [
+        case
+        for recording in unlikely[0]
+        for case in min(zip(ways, unlikely, strict=True), key=lambda way: way[1][recording])[0]
+        if id(case.origin) == recording
+    ]
+
+
+def are_the_same(one: Cases, other: Cases) -> bool:
+    """Return whether recordings are in the same way, though it was arrived at in another."""
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
