@@ -74,20 +74,41 @@ ASYMMETRIC = Effect(
 POSITION = Effect(
     id="friction.position",
     block="piston",
-    rigs=_BOTH,
+    rigs=_RIGS,
     statement="Friction changes along the stroke; the model holds it the same everywhere.",
     equation="F = Fc (1 + slope s + curvature s^2) sgn(v), s = -1..1 along the recorded stroke",
     parameters=(
-        EffectParameter(
-            "slope", "", 0.0, -1.0, 1.0, (0.05,), "change from mid to the far end", "friction.slope"
-        ),
-        EffectParameter(
-            "curvature", "", 0.0, -1.0, 1.0, (0.0,), "change at both ends", "friction.curvature"
-        ),
+        EffectParameter("slope", "", 0.0, -1.0, 1.0, (0.05,), "change from mid to the far end"),
+        EffectParameter("curvature", "", 0.0, -1.0, 1.0, (0.0,), "change at both ends"),
     ),
     source="thesis equation (4.54)",
     experiment="drive slowly over the full stroke both ways, twice",
 )
+SERVO_POSITION = Effect(
+    id="friction.position",
+    block="piston",
+    rigs=_SERVO,
+    statement="Friction changes along the stroke; the model holds it the same everywhere.",
+    equation=(
+        "F = (Fc + sine sin(2 pi s/length) + cosine cos(2 pi s/length)) sgn(v), s from mid-stroke"
+    ),
+    parameters=(
+        EffectParameter(
+            "sine", "N", 0.0, -10.0, 10.0, (0.1,), "amplitude, odd about mid-stroke",
+            "friction.wave_sine",
+        ),
+        EffectParameter(
+            "cosine", "N", 0.0, -10.0, 10.0, (0.0,), "amplitude, even about mid-stroke",
+            "friction.wave_cosine",
+        ),
+        EffectParameter(
+            "length", "m", 0.06, 0.005, 0.12, (0.06, 0.025, 0.015, 0.011, 0.0085, 0.007),
+            "of a wave; twice the stroke is nearly a slope and a hump", "friction.wave_length",
+        ),
+    ),
+    source="thesis equation (4.54); bores and seals with tight spots leave 1 to 4 N",
+    experiment="drive slowly over the full stroke both ways, twice",
+)  # fmt: skip
 STRIBECK = Effect(
     id="friction.stribeck",
     block="piston",
@@ -257,6 +278,7 @@ EFFECTS = (
     ASYMMETRIC,
     SERVO_ASYMMETRIC,
     POSITION,
+    SERVO_POSITION,
     STRIBECK,
     BREAKAWAY_DWELL,
     LAG,

@@ -31,10 +31,12 @@ class FrictionEffects(NamedTuple):
     """Half of what friction is higher when extending [N]."""
     viscous_asymmetry: float = 0.0
     """Half of what viscous friction is higher when extending [N s/m]."""
-    slope: float = 0.0
-    """Relative change from mid-stroke to the extended end [-]."""
-    curvature: float = 0.0
-    """Relative change from mid-stroke to both ends [-]."""
+    wave_sine: float = 0.0
+    """Amplitude of the wave along the stroke that is odd about mid-stroke [N]."""
+    wave_cosine: float = 0.0
+    """Amplitude of the one that is even [N]."""
+    wave_length: float = 0.06
+    """Of both; of twice the stroke one is nearly a slope, the other a hump [m]."""
     quadratic: float = 0.0
     """Friction per speed squared [N s^2/m^2]."""
     run_in: float = 0.0
@@ -88,19 +90,17 @@ def friction_levels(
     Notes
     -----
     Stribeck: Armstrong-Helouvry, Dupont, Canudas de Wit 1994. Pressure: Andrighetto and others
-    2006, Belforte and others 2003. Position: (4.54). The parts add.
+    2006, Belforte and others 2003. Position: (4.54), one wave of its own length. The parts add.
 
     Examples
     --------
     >>> friction_levels(1.0, 0.015, 0.0, 5e5, 5e5, 1e5, 0.03, 0.0, FrictionEffects(asymmetry=0.25))
     (1.25, 0.75)
     """
-    along = 2.0 * displacement / stroke - 1.0
-    level = (
-        coulomb
-        * (1.0 + along * (effects.slope + effects.curvature * along))
-        * (1.0 + effects.run_in * time)
-    )
+    level = coulomb * (1.0 + effects.run_in * time)
+    if effects.wave_sine != 0.0 or effects.wave_cosine != 0.0:
+        phase = 2.0 * math.pi * (displacement - 0.5 * stroke) / effects.wave_length
+        level += effects.wave_sine * math.sin(phase) + effects.wave_cosine * math.cos(phase)
     if effects.stribeck_excess != 0.0:
         level += effects.stribeck_excess * math.exp(-abs(speed) / effects.stribeck_speed)
     level += effects.pressure_sum * (pressure_a + pressure_b - 2.0 * ambient)

@@ -115,7 +115,7 @@ def stored_energy(run, rig):
         {"friction.stribeck": {"excess": 3.0, "speed": 0.01}},
         {"friction.pressure": {"sum": 5e-6, "difference": 5e-6}},
         {"friction.asymmetric": {"difference": 0.9, "viscous": 20.0}},
-        {"friction.position": {"slope": 0.5, "curvature": -0.3}},
+        {"friction.position": {"sine": 1.0, "cosine": -0.6, "length": 0.011}},
         {"friction.breakaway-dwell": {"excess": 5.0, "time": 0.1}},
         {"friction.speed-curve": {"quadratic": 100.0}},
         {"friction.run-in": {"coulomb": 0.1, "viscous": 0.1}},
