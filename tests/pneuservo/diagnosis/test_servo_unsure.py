@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from servo_recordings import NOISE, noisy
 
+from pneuservo.diagnosis.followed import likeliest_followed
+from pneuservo.diagnosis.late import likelier_if_late
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, is_relay
 from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.trust import may_only_seem_to_rest, unsure_of_rest
-from pneuservo.diagnosis.readings import likelier_if_late, likeliest_followed, ranked_readings
+from pneuservo.diagnosis.readings import ranked_readings
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
