@@ -195,6 +195,7 @@ def test_the_observer_allows_for_a_force_in_the_recording_where_there_is_one(rig
     still, shaken = (model.cases(shaken_by(rig, share), rig) for share in (0.0, 0.3))
     used, baseline = likeliest_followed(model, [*still, *shaken], None, lambda step: None)
     allowed = [case.inputs["feed"].unsteadiness for case in used]
-    assert allowed == [0.25] * len(still) + [1.0] * len(shaken)
+    assert max(allowed[: len(still)]) < 0.1
+    assert allowed[len(still) :] == [1.0] * len(shaken)
     held_back = likeliest_held_back(model, shaken, baseline, used[0])
     assert all(case.inputs["feed"].unsteadiness == 1.0 for case in held_back)

@@ -63,6 +63,7 @@ def carry_on(
     speed,
     reversal,
     unsteadiness,
+    turning_unsteadiness,
     interval,
     spread,
     held,
@@ -86,8 +87,8 @@ def carry_on(
         As in `pneuservo.plant.servo.chain.derivative`.
     speed, reversal : float
         Smoothed velocity of the piston, and over how much of it friction turns round [m/s].
-    unsteadiness : float
-        Unmodelled force as a multiple of `FORCE_STEP` and `TURNING_STEP` [-].
+    unsteadiness, turning_unsteadiness : float
+        Unmodelled force as a multiple of `FORCE_STEP`, and of `TURNING_STEP` [-].
     interval : float
         [s].
     spread : (2,) array
@@ -141,7 +142,7 @@ def carry_on(
             covariance[side, :] /= beyond
             covariance[:, side] /= beyond
     turning = 1.0 - math.tanh(speed / reversal) ** 2
-    unknown = unsteadiness * (FORCE_STEP + TURNING_STEP * turning)
+    unknown = unsteadiness * FORCE_STEP + turning_unsteadiness * TURNING_STEP * turning
     unknown *= piston.coulomb_friction / mass
     covariance[SPEED, SPEED] += unknown * unknown * FORCE_TIME * interval
     return decays

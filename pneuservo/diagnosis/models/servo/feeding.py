@@ -6,7 +6,8 @@ import numpy as np
 
 from pneuservo.diagnosis.models.servo.command import running_command, unseen
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, SUPPLY, Array, Feed
-from pneuservo.diagnosis.models.servo.moved import SLOWEST_MOTION, moved_by
+from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
+from pneuservo.diagnosis.models.servo.moved import moved_by
 from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.recordings import Recording

@@ -1,7 +1,7 @@
 """The motion behind a noisy displacement: where the piston is, and when it moves which way."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,13 @@ from pneuservo.diagnosis.models.servo.rests import (
     settled,
 )
 from pneuservo.diagnosis.models.servo.smoother import GLIDING, smooth
+from pneuservo.diagnosis.models.servo.turning import mean_direction
 
 Array = NDArray[np.float64]
 Way = tuple[float, float]
 """How a piston comes to rest, one of `RESTS`."""
 
-FORCE_CHANGES = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+FORCE_CHANGES = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2]; the one that
 makes the recorded displacement likeliest is taken."""
 RESTS = (
@@ -36,6 +37,9 @@ RESTS = (
 )
 """A piston at rest glides to a stop, or creeps at such a speed [m/s] while that at which it came
 fades within such a time [s], as loops bring it to a set point; again the likeliest."""
+SLOWEST_MOTION = 5e-4
+"""The velocity of a moving piston is never taken to be known better than this [m/s]."""
+_PASSES = 2
 EDGE = 5e-3
 """When a piston comes to rest and breaks away is known to about this [s]."""
 
@@ -87,16 +91,25 @@ def smooth_motion(
     known = np.zeros_like(time) if driving is None else driving
     start = float(displacement[np.isfinite(displacement)][0])
     variance = max(noise_rms, 1e-9) ** 2
-    filtered = _Filter(time, displacement - start, variance, known, driving_rms**2, friction)
+    filtered = _Filter(
+        time, displacement - start, variance, known, driving_rms**2, friction, np.zeros_like(time)
+    )
     interval = float(np.median(np.diff(time)))
     chatter = chatters(known, driving_rms, friction, math.sqrt(variance), interval)
     rest, way = _where_it_rests(filtered, chatter, interval)
     # While it rests, nothing jumps: how much does otherwise shows now.
     change = filtered.likeliest_change(rest, way)
     states, variances, _ = filtered.passed(rest, change, way, back=True)
+    for _ in range(_PASSES if driving is not None else 0):
+        slid = filtered.sliding(states[:, 1], math.sqrt(_typical(variances, rest)))
+        change = slid.likeliest_change(rest, way)
+        if slid.likelihood(rest, change, way) <= filtered.likelihood(rest, change, way):
+            break
+        filtered = slid
+        states, variances, _ = filtered.passed(rest, change, way, back=True)
     # A moving piston's velocity is as well known as it is on the whole.
-    typical = float(np.median(variances if rest.all() else variances[~rest]))
-    acceleration = states[:, 2] + np.where(rest, 0.0, known)
+    typical = _typical(variances, rest)
+    acceleration = states[:, 2] + np.where(rest, 0.0, known + filtered.given)
     # Where a rest begins and ends, the velocity is known as well as the moment.
     unsure = _change(states[:, 1], interval) if rest.any() else 0.0
     at_rest = np.clip(variances + unsure**2, 0.0, None)
@@ -114,6 +127,7 @@ class _Filter:
     driving: Array
     driving_variance: float
     friction: float
+    given: Array
 
     def passed(
         self, rest: Mask, change: float, way: Way = RESTS[0], back: bool = False
@@ -125,6 +139,7 @@ class _Filter:
             self.variance,
             self.driving,
             self.driving_variance,
+            self.given,
             change,
             rest,
             *way,
@@ -132,6 +147,11 @@ class _Filter:
             back,
         )
         return found
+
+    def sliding(self, velocity: Array, velocity_rms: float) -> "_Filter":
+        """Return the same with the friction of a piston that moves in this way."""
+        direction = mean_direction(velocity, max(velocity_rms, SLOWEST_MOTION))
+        return replace(self, given=-self.friction * np.roll(direction, 1))
 
     def likelihood(self, rest: Mask, change: float, way: Way = RESTS[0]) -> float:
         return float(np.sum(self.passed(rest, change, way)[2]))
@@ -174,6 +194,11 @@ def _where_it_rests(filtered: _Filter, chatter: Mask, interval: float) -> tuple[
             if worth > most:
                 best, most = (rest, way), worth
     return best
+
+
+def _typical(variances: Array, rest: Mask) -> float:
+    """Return how well the velocity of a piston is known on the whole, squared [m^2/s^2]."""
+    return float(np.median(variances if rest.all() else variances[~rest]))
 
 
 def _change(velocity: Array, interval: float) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.feed import Array, Feed
-from pneuservo.diagnosis.models.servo.motion import smooth_motion
+from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION, smooth_motion
 from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures
 from pneuservo.diagnosis.models.servo.stops import around, resting, touching
@@ -20,8 +20,6 @@ NEVER_MOVES = 1.5
 """A piston never moves whose displacement spreads by less than this many times its noise."""
 CREEPING = 3e-4
 """A piston that creeps faster than this slides [m/s]."""
-SLOWEST_MOTION = 5e-4
-"""The velocity of a moving piston is never taken to be known better than this [m/s]."""
 
 
 def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
@@ -105,6 +103,7 @@ def with_spread(fed: Feed, rig: Rig) -> Feed:
         fed.held,
         fed.noise,
         fed.velocity_rms,
+        fed.memory,
         fed.motion_memory,
         rig,
     )

@@ -26,7 +26,12 @@ from pneuservo.diagnosis.models.servo.covariance import (
     take_over,
     weigh,
 )
-from pneuservo.diagnosis.models.servo.push import balance_at_rest, friction_direction, push
+from pneuservo.diagnosis.models.servo.push import (
+    balance_at_rest,
+    dry_friction,
+    push,
+)
+from pneuservo.diagnosis.models.servo.turning import friction_direction
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
@@ -70,6 +75,7 @@ def observe(
     averaged,
     reversal,
     unsteadiness,
+    turning_unsteadiness,
     variance,
     spread,
     gains,
@@ -112,7 +118,7 @@ def observe(
         flows are [Pa].
     reversal : float
         Speed over which friction turns round [m/s].
-    unsteadiness : float
+    unsteadiness, turning_unsteadiness : float
         Unmodelled force, see `pneuservo.diagnosis.models.servo.covariance.carry_on` [-].
     variance : (3,) array
         Of the noise of each reading, SI.
@@ -178,7 +184,7 @@ def observe(
     nominal, servo = servo, drifted(servo, time[0])
     plant, effects = servo.plant, servo.effects
     piston, lag = plant.piston, effects.sensor.displacement_lag
-    direction = friction_direction(true[0], true[1], reversal, effects.friction)
+    direction, turned = friction_direction(time, true[0], true[1], reversal, effects.friction)
     behind = behind_the_rod(motion[0], held, effects.sensor.wiper_play)
     felt = true[1, 0]
     position, velocity, lagged = motion[0, 0] + behind[0], motion[1, 0], motion[2, 0]
@@ -203,6 +209,7 @@ def observe(
                 true[1, k],
                 reversal,
                 unsteadiness,
+                turning_unsteadiness,
                 interval,
                 spread[:, k],
                 held[k],
@@ -269,6 +276,9 @@ def observe(
         )
         slope = displacement_gain(true[0, k + 1], piston.stroke, effects.sensor)
         mean = slope * (0.5 * (now + last) + bent + swung if k else now)
+        if turned[k] != 0.0:
+            extending, retracting = dry_friction(time[k + 1], state, after[1], servo)
+            mean -= slope * 0.5 * (extending + retracting) * turned[k] / mass
         if free:
             # While it swung, the other forces were taken to stay as they had been.
             state[JOINT_RATE] -= interval * (0.5 * (now - last - shift) + bent)

@@ -1,10 +1,7 @@
 """The acceleration that forces give the piston, at a place and speed that are known."""
 
-import numpy as np
-
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
-from pneuservo.plant.presliding import presliding_state
 from pneuservo.plant.servo.friction_effects import (
     breakaway_gain,
     friction_levels,
@@ -15,32 +12,6 @@ from pneuservo.plant.servo.mechanics import carried_force
 from pneuservo.plant.servo.stop_effects import bumper_force
 from pneuservo.plant.servo.unexplained_effects import unexplained_force
 from pneuservo.plant.single_axis import DISPLACEMENT, PLANT_STATES, PRESSURE_A, PRESSURE_B, SPOOL
-
-
-@compiled
-def friction_direction(displacement, velocity, reversal, friction):
-    """Return which way friction acts, from -1 to 1.
-
-    Parameters
-    ----------
-    displacement, velocity : (n,) array
-        Of the piston, SI.
-    reversal : float
-        Speed over which friction turns round, the resolution of the velocity [m/s].
-    friction : FrictionEffects
-        Parameters of the effects.
-
-    Returns
-    -------
-    (n,) array
-        Share of the friction level, positive while extending.
-    """
-    direction = np.tanh(velocity / reversal)
-    if friction.presliding_travel > 0.0:
-        direction = presliding_state(
-            displacement, friction.presliding_travel, friction.presliding_exponent, direction[0]
-        )
-    return direction
 
 
 @compiled
@@ -66,7 +37,7 @@ def push(
     external_force : float
         At the rod, positive when it resists extension [N].
     direction : float
-        From `friction_direction`.
+        From `pneuservo.diagnosis.models.servo.turning.friction_direction`.
     servo : Servo
         The numbers of rig and effects.
     """

@@ -266,6 +266,7 @@ def _observe(
         averaged(pressures, fed.interval, AVERAGED_AT_REST),
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.unsteadiness,
+        fed.turning_unsteadiness,
         fed.noise_of(FOLLOWED) ** 2,
         fed.spread,
         gains,

@@ -75,7 +75,18 @@ def _spread_out(spread, interval, driving_variance, change):
 
 @compiled
 def smooth(
-    time, measured, variance, driving, driving_variance, change, rest, creep, fades, friction, back
+    time,
+    measured,
+    variance,
+    driving,
+    driving_variance,
+    given,
+    change,
+    rest,
+    creep,
+    fades,
+    friction,
+    back,
 ):
     """Return the likeliest motion behind a displacement, and how likely each reading is.
 
@@ -91,6 +102,9 @@ def smooth(
         Acceleration that the measured pressures would give without friction [m/s^2].
     driving_variance : float
         Of its noise [m^2/s^4].
+    given : (n,) array
+        Acceleration that acts besides, on the mean of the interval before each sample, while the
+        piston moves [m/s^2].
     change : float
         By which an unmodelled acceleration may jump while the piston moves [m/s^2].
     rest : (n,) array of bool
@@ -108,7 +122,7 @@ def smooth(
     Returns
     -------
     states : (n, 4) array
-        Displacement [m], velocity [m/s], acceleration beside the driving one [m/s^2], and how far
+        Displacement [m], velocity [m/s], acceleration beside those [m/s^2], and how far
         the zero of the transducer has wandered [m].
     velocity_variance : (n,) array
         Only where something is carried back [m^2/s^2].
@@ -141,7 +155,7 @@ def smooth(
             elif rest[k]:
                 _spread_out(spread, h, 0.0, REST_CHANGE)
             else:
-                mean = 0.5 * (driving[k] + driving[k - 1])
+                mean = 0.5 * (driving[k] + driving[k - 1]) + given[k]
                 state[0] += 0.5 * h * h * mean
                 state[1] += h * mean
                 _spread_out(spread, h, driving_variance, change)
