@@ -32,9 +32,6 @@ SUSPICIOUS_RATIO = 1.5
 """Residual over noise beyond which what is left may be more than noise ..."""
 OBVIOUS_RATIO = 6.0
 """... and beyond which it is; coloured noise reaches 4 times its own floor."""
-_FOLLOWED_ANEW = 2
-"""So many times recordings are followed as what was found allows: with the first name, and with
-all of them."""
 UNNAMED = 0.5
 """Share of what is left that has to depend on one quantity before the named effects are doubted."""
 PARTS = ("stick-mask", "nuisances", "imitations", "unnamed")
@@ -360,9 +357,14 @@ def _as_found(search: Search) -> Search:
     What is missing decides how far a model can be trusted: with a name in it, it may be trusted so
     far that a second effect shows, or that another is seen to be the right one.
     """
-    for _ in range(_FOLLOWED_ANEW):
-        search = _followed_anew(search)
-        search.run()
+    search = _followed_anew(search)
+    first = frozenset(search.accepted)
+    search.run()
+    if frozenset(search.accepted) != first:
+        anew = _followed_anew(search)
+        if anew is not search:
+            anew.run()
+            return anew
     return search
 
 

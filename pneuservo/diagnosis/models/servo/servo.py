@@ -238,8 +238,9 @@ class ServoModel(Model):
         An observer that allows for much of it follows a slow misfit instead of showing it. So
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
-        ways = [list(cases), _followed(cases, steadily), _followed(cases, unsure)]
-        return ways if any(a is not b for a, b in zip(ways[0], ways[2], strict=True)) else ways[:2]
+        others = [_followed(cases, steadily), _followed(cases, unsure)]
+        differ = (any(a is not b for a, b in zip(way, cases, strict=True)) for way in others)
+        return [list(cases), *(way for way, other in zip(others, differ, strict=True) if other)]
 
     def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
         """Return how large innovations are where the command is calm, in their noise squared."""

@@ -34,10 +34,12 @@ def steadily(fed: Feed, rig: Rig) -> Feed:
     Parameters
     ----------
     fed : Feed
-        Of a recording.
+        Of a recording; returned as it is where it has them already.
     rig : Rig
         The rig it was taken on.
     """
+    if fed.unsteadiness == _STEADY:
+        return fed
     steady = replace(
         fed,
         unsteadiness=_STEADY,
