@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from servo_recordings import NOISE
+from servo_recordings import NOISE, recorded
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.servo.covariance import (
@@ -16,6 +16,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
 from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import ASTRAY, run_observer
+from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER, wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
@@ -174,3 +175,15 @@ def test_what_makes_it_run_away_all_the_same_gives_numbers_a_fit_can_turn_back_f
     left = of_noise(slow, rig, {"leakage.rod-seal:area": 1e-5, "load.mass": 0.01})
     assert np.isfinite(left).all()
     assert np.abs(left).max() <= ASTRAY * 1.001
+
+
+@pytest.mark.parametrize(
+    ("changed", "times"), [({"leakage.chamber-a:area": 1e-9}, 2.5), ({"load.mass": 1.86}, 2.0)]
+)
+def test_an_observer_that_trusts_its_model_shows_what_it_would_else_follow(rig, changed, times):
+    model = ServoModel()
+    ways = model.followed(model.cases(recorded(rig, Proportional(), 1), rig))[:2]
+    as_ever, steadily = (
+        np.nansum((model.predict(case, changed) - model.predict(case, {})) ** 2) for case, *_ in ways
+    )
+    assert steadily > times * as_ever > 500.0
