@@ -184,6 +184,7 @@ def test_an_observer_that_trusts_its_model_shows_what_it_would_else_follow(rig, 
     model = ServoModel()
     ways = model.followed(model.cases(recorded(rig, Proportional(), 1), rig))[:2]
     as_ever, steadily = (
-        np.nansum((model.predict(case, changed) - model.predict(case, {})) ** 2) for case, *_ in ways
+        np.nansum((model.predict(case, changed) - model.predict(case, {})) ** 2)
+        for case, *_ in ways
     )
     assert steadily > times * as_ever > 500.0
