@@ -7,8 +7,9 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from pneuservo.diagnosis.as_found import as_found
 from pneuservo.diagnosis.fit import Fit, explained
-from pneuservo.diagnosis.fitting import beyond_ridges, refitted
+from pneuservo.diagnosis.fitting import beyond_ridges
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.held_back import HeldBack, times_missed
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
@@ -232,7 +233,7 @@ def diagnose(
     before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        search = _as_found(_as_read(Search(model, cases, progress, seed, jobs)))
+        search = as_found(_as_read(Search(model, cases, progress, seed, jobs)))
         kept_out = HeldBack(model, held_back, search.cases[0])
         unexplained = misfit = None
         if not search.interrupted:
@@ -349,41 +350,6 @@ def _as_read(search: Search) -> Search:
     # What the first reading has shown is more than nothing.
     first.interrupted = True
     return first
-
-
-def _as_found(search: Search) -> Search:
-    """Return a search that was begun, run to its end in recordings followed as names allow.
-
-    What is missing decides how far a model can be trusted: with a name in it, it may be trusted so
-    far that a second effect shows, or that another is seen to be the right one.
-    """
-    search = _followed_anew(search)
-    first = frozenset(search.accepted)
-    search.run()
-    if frozenset(search.accepted) != first:
-        anew = _followed_anew(search)
-        if anew is not search:
-            anew.run()
-            return anew
-    return search
-
-
-def _followed_anew(search: Search) -> Search:
-    """Return a search begun again where recordings are better followed with what was found."""
-    if not search.accepted or search.interrupted:
-        return search
-    model, named = search.model, search.chosen
-    try:
-        cases, again = likeliest_followed(model, search.cases, named, search.progress, search.jobs)
-        if again is None or again is named:
-            return search
-        fits = {fit.hypothesis: fit for fit in (refitted(model, cases, search.baseline), again)}
-        other = Search(model, cases, search.progress, search.seed, search.jobs, fits)
-        other.begin()
-    except KeyboardInterrupt:
-        search.interrupted = True
-        return search
-    return other if other.accepted else search
 
 
 def _begun(search: Search, reading: Reading) -> Search:

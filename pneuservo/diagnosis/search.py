@@ -78,6 +78,20 @@ class Search(Rivals):
                 # Where one had to go the others may do its work, and leave room for another.
                 settled.add(frozenset(self.accepted))
 
+    def go_on_with(self, other: "Search") -> None:
+        """Hold what was found against its rivals here, and search for more.
+
+        Parameters
+        ----------
+        other : Search
+            In recordings followed otherwise; what it has accepted has been fitted here.
+        """
+        if other.accepted:
+            self.accepted[:], self.ledger[:] = other.accepted, other.ledger
+        with self._kept_when_interrupted():
+            self._revise()
+        self.run()
+
     @contextmanager
     def _kept_when_interrupted(self) -> Iterator[None]:
         try:

@@ -238,9 +238,13 @@ class ServoModel(Model):
         An observer that allows for much of it follows a slow misfit instead of showing it. So
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
-        others = [_followed(cases, steadily), _followed(cases, unsure)]
+        others = [self.trusted(cases), _followed(cases, unsure)]
         differ = (any(a is not b for a, b in zip(way, cases, strict=True)) for way in others)
         return [list(cases), *(way for way, other in zip(others, differ, strict=True) if other)]
+
+    def trusted(self, cases: Sequence[Case]) -> list[Case]:
+        """Return the cases with next to no unmodelled force."""
+        return _followed(cases, steadily)
 
     def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
         """Return how large innovations are where the command is calm, in their noise squared."""
