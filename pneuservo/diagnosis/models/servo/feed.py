@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
-from pneuservo.diagnosis.models.servo.spread import MEMORY, MOTION_MEMORY
+from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST, moments_of_rest
 from pneuservo.diagnosis.noise import LIKELY_WANDER
 
@@ -82,8 +82,6 @@ class Feed:
         What the noise of both pressures makes of the force on the piston [N].
     chatter : float
         Share of the time in which the piston chatters by less than its displacement tells [-].
-    memory : float
-        How long errors of a pressure's rate are followed while the piston moves [s].
     motion_memory : float
         How long a velocity that is taken over is off by `velocity_rms` [s].
     unsteadiness, turning_unsteadiness : float
@@ -125,7 +123,6 @@ class Feed:
     noise: dict[str, float]
     spread_of_force: float
     chatter: float = 0.0
-    memory: float = MEMORY
     motion_memory: float = MOTION_MEMORY
     unsteadiness: float = 1.0
     turning_unsteadiness: float = 1.0

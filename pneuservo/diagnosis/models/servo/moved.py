@@ -103,7 +103,6 @@ def with_spread(fed: Feed, rig: Rig) -> Feed:
         fed.held,
         fed.noise,
         fed.velocity_rms,
-        fed.memory,
         fed.motion_memory,
         rig,
     )

@@ -238,7 +238,7 @@ class ServoModel(Model):
         An observer that allows for much of it follows a slow misfit instead of showing it. So
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
-        others = [self.trusted(cases), _followed(cases, unsure)]
+        others = [_followed(cases, way) for way in (steadily, unsure)]
         differ = (any(a is not b for a, b in zip(way, cases, strict=True)) for way in others)
         return [list(cases), *(way for way, other in zip(others, differ, strict=True) if other)]
 

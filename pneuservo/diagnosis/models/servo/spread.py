@@ -32,7 +32,6 @@ def spread_of_pressures(
     held: NDArray[np.bool_],
     noise: dict[str, float],
     velocity_rms: Array,
-    pressure_memory: float,
     motion_memory: float,
     rig: Rig,
 ) -> Array:
@@ -44,17 +43,15 @@ def spread_of_pressures(
         As in `pneuservo.diagnosis.models.servo.feed.Feed`.
     velocity_rms : (n,) array
         How well a velocity that is taken over is known [m/s].
-    pressure_memory : float
-        Time over which a pressure is followed while the piston moves [s].
     motion_memory : float
-        How long a velocity that is taken over is off by that [s].
+        How long it is off by that [s].
     rig : Rig
         The rig.
 
     Returns
     -------
     (2, n) array
-        A steady part, which fades what is older than that, or `HELD_MEMORY`, though the zeros of
+        A steady part, which fades what is older than `MEMORY` or `HELD_MEMORY` though the zeros of
         the transducers wander, one for what a command does between two samples, one for what
         cannot be judged, and one for a motion that is taken over.
     """
@@ -66,7 +63,7 @@ def spread_of_pressures(
     unsure = ((time < time[0] + START) | striking).astype(float)
     off, _ = _unseen_opening(time, unseen, plant.valve)
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
-    memory = np.where(held, max(HELD_MEMORY, pressure_memory), pressure_memory)
+    memory = np.where(held, HELD_MEMORY, MEMORY)
     slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME
     found = []
     for area, dead, side, name in (

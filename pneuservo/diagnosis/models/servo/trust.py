@@ -10,11 +10,9 @@ from pneuservo.diagnosis.models.servo.moved import with_spread
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY_AT_REST
 from pneuservo.rigs import Rig
 
-_STEADY, _STEADY_TURNING, _STEADY_MEMORY = 0.02, 2.0, 3.0
+_STEADY, _STEADY_TURNING = 0.02, 2.0
 """Unmodelled force that the observer allows for where the model leaves next to nothing, as a share
-of what it else does, and where the piston turns round, for it may stick there unseen; and time over
-which it follows a pressure then [s]. Of a planted d' of 43 squared six were left by what it else
-allows for, and 59 by this."""
+of what it else does, and where the piston turns round, for it may stick there unseen."""
 _CHATTERS = 0.2
 """Share of the time in which a piston chatters by less than its displacement tells, from which it
 may be known so little that way friction acts ..."""
@@ -29,24 +27,18 @@ a loop that hears the noise of its transducer pushes it to and fro."""
 
 
 def steadily(fed: Feed, rig: Rig) -> Feed:
-    """Return a feed with little of an unmodelled force, and a long memory of pressures.
+    """Return a feed with little of an unmodelled force.
 
     Parameters
     ----------
     fed : Feed
-        Of a recording; returned as it is where it has them already.
+        Of a recording; returned as it is where it is such a feed.
     rig : Rig
         The rig it was taken on.
     """
     if fed.unsteadiness == _STEADY:
         return fed
-    steady = replace(
-        fed,
-        unsteadiness=_STEADY,
-        turning_unsteadiness=_STEADY_TURNING,
-        memory=_STEADY_MEMORY,
-    )
-    return with_spread(steady, rig)
+    return replace(fed, unsteadiness=_STEADY, turning_unsteadiness=_STEADY_TURNING)
 
 
 def unsure(fed: Feed, rig: Rig) -> Feed:
