@@ -5,6 +5,7 @@ from pneuservo.diagnosis.fitting import refitted
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.models import Model
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.diagnosis.ways import Cases, are_the_same, by_recording, values_in
 
 
@@ -62,7 +63,8 @@ def _trusted(search: Search) -> Search:
     """Return a search that found more where the model is trusted, if recordings are likelier so."""
     model = search.model
     cases = model.trusted(search.cases)
-    if are_the_same(cases, search.cases):
+    # Where more than noise is left, it is not hidden.
+    if are_the_same(cases, search.cases) or not leaves_noise(search.cases, search.chosen):
         return search
     other = _gone_on(search, _elsewhere(search, cases, refitted(model, cases, search.chosen)))
     if frozenset(other.accepted) <= frozenset(search.accepted):
