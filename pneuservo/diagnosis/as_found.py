@@ -3,10 +3,10 @@
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.fitting import refitted
 from pneuservo.diagnosis.followed import likeliest_followed
-from pneuservo.diagnosis.models import Model
+from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.strained import leaves_noise
-from pneuservo.diagnosis.ways import Cases, are_the_same, by_recording, values_in
+from pneuservo.diagnosis.ways import Cases, values_in
 
 
 def as_found(search: Search) -> Search:
@@ -70,17 +70,16 @@ def _trusted(search: Search) -> Search:
     if frozenset(other.accepted) <= frozenset(search.accepted):
         return search
     as_it_was = refitted(model, search.cases, other.chosen)
-    before = min(
-        _unlikeliness(model, search.cases, search.chosen),
-        _unlikeliness(model, search.cases, as_it_was),
-    )
-    return other if _unlikeliness(model, cases, other.chosen) < before else search
+    before = min(_unlikeliness(search, found) for found in (search.chosen, as_it_was))
+    return other if _unlikeliness(other, other.chosen) < before else search
 
 
 def _elsewhere(search: Search, cases: Cases, named: Fit) -> Search:
     """Return a search in the same recordings, followed otherwise, with its baseline and a fit."""
-    baseline = refitted(search.model, cases, search.baseline)
-    fits = {fit.hypothesis: fit for fit in (baseline, named)}
+    fits = {named.hypothesis: named}
+    if search.accepted:
+        baseline = refitted(search.model, cases, search.baseline)
+        fits[baseline.hypothesis] = baseline
     return Search(search.model, cases, search.progress, search.seed, search.jobs, fits)
 
 
@@ -89,8 +88,9 @@ def _gone_on(search: Search, other: Search) -> Search:
     if other is search:
         return search
     other.go_on_with(search)
+    search.interrupted = other.interrupted
     return other if other.accepted else search
 
 
-def _unlikeliness(model: Model, cases: Cases, found: Fit) -> float:
-    return sum(by_recording(model, cases, values_in([cases], [found])[0]).values())
+def _unlikeliness(search: Search, found: Fit) -> float:
+    return search.model.unlikeliness(search.cases, values_in([search.cases], [found])[0])

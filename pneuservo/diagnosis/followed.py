@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.fitting import refitted
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.ways import (
     Cases,
-    are_the_same,
     baselines_of,
     by_recording,
     likeliest_of_each,

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pneuservo.diagnosis.fit import Fit, gained_most
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.models import Case, Model
+from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.ways import (
     Cases,
-    are_the_same,
     baselines_of,
     likeliest_of_each,
     unlikeliness_in,

@@ -136,8 +136,3 @@ def likeliest_of_each(ways: Sequence[Cases], unlikely: Sequence[Mapping[int, flo
         for case in min(zip(ways, unlikely, strict=True), key=lambda way: way[1][recording])[0]
         if id(case.origin) == recording
     ]
-
-
-def are_the_same(one: Cases, other: Cases) -> bool:
-    """Return whether recordings are in the same way, though it was arrived at in another."""
-    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))

@@ -172,6 +172,17 @@ class Case:
         return self.finest or resolution(self.measured)
 
 
+def are_the_same(one: Sequence[Case], other: Sequence[Case]) -> bool:
+    """Return whether recordings are in the same way, though it was arrived at in another.
+
+    Parameters
+    ----------
+    one, other : sequence of Case
+        Of recordings in their order.
+    """
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+
+
 class Model:
     """A chain of blocks that turns measured inputs into the judged channel or channels.
 

@@ -17,6 +17,11 @@ from pneuservo.simulation import simulate
 QUIET = lambda step: None  # noqa: E731
 
 
+def interrupted(step):
+    """Interrupt what says that it begins."""
+    raise KeyboardInterrupt
+
+
 def swinging(rig, seed):
     """Return a recording of a piston that swings to and fro, its displacement well measured."""
     time = np.arange(0.0, 4.0, 1e-3)
@@ -37,6 +42,9 @@ def test_a_side_load_that_is_hidden_is_found_and_nothing_where_there_is_none(for
     found = as_found(begun)
     if not force:
         assert found is begun
+        # An interruption while more is asked for ends the search.
+        begun.progress = interrupted
+        assert as_found(begun).interrupted
         return
     assert found.accepted == ["friction.side-load"]
     assert found.chosen.shared["friction.side-load:force"] == pytest.approx(force, rel=0.2)

@@ -40,6 +40,7 @@ fades within such a time [s], as loops bring it to a set point; again the likeli
 SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
 _PASSES = 2
+"""So many times at most a motion is smoothed again with the friction that it tells itself."""
 EDGE = 5e-3
 """When a piston comes to rest and breaks away is known to about this [s]."""
 

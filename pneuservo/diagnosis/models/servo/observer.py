@@ -26,11 +26,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
     take_over,
     weigh,
 )
-from pneuservo.diagnosis.models.servo.push import (
-    balance_at_rest,
-    dry_friction,
-    push,
-)
+from pneuservo.diagnosis.models.servo.push import balance_at_rest, dry_friction, push
 from pneuservo.diagnosis.models.servo.turning import friction_direction
 from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled

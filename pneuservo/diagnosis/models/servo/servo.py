@@ -16,6 +16,7 @@ from pneuservo.diagnosis.models.model import (
     Table,
     Unknown,
     Values,
+    are_the_same,
 )
 from pneuservo.diagnosis.models.servo.between_samples import (
     tells_set_point,
@@ -239,8 +240,7 @@ class ServoModel(Model):
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
         others = [_followed(cases, way) for way in (steadily, unsure)]
-        differ = (any(a is not b for a, b in zip(way, cases, strict=True)) for way in others)
-        return [list(cases), *(way for way, other in zip(others, differ, strict=True) if other)]
+        return [list(cases), *(way for way in others if not are_the_same(way, cases))]
 
     def trusted(self, cases: Sequence[Case]) -> list[Case]:
         """Return the cases with next to no unmodelled force."""
