@@ -27,7 +27,7 @@ class Accepted(Hypotheses):
 
     Parameters
     ----------
-    model, cases, progress, seed, jobs, fits
+    model, cases, progress, seed, fits
         As of `Hypotheses`.
 
     Attributes

@@ -55,7 +55,7 @@ def _followed_anew(search: Search) -> Search:
     if not search.accepted:
         return search
     model, named = search.model, search.chosen
-    cases, again = likeliest_followed(model, search.cases, named, search.progress, search.jobs)
+    cases, again = likeliest_followed(model, search.cases, named, search.progress)
     return search if again is None or again is named else _elsewhere(search, cases, again)
 
 
@@ -80,7 +80,7 @@ def _elsewhere(search: Search, cases: Cases, named: Fit) -> Search:
     if search.accepted:
         baseline = refitted(search.model, cases, search.baseline)
         fits[baseline.hypothesis] = baseline
-    return Search(search.model, cases, search.progress, search.seed, search.jobs, fits)
+    return Search(search.model, cases, search.progress, search.seed, fits)
 
 
 def _gone_on(search: Search, other: Search) -> Search:

@@ -20,7 +20,7 @@ from pneuservo.diagnosis.models.model import Misfit
 from pneuservo.diagnosis.readings import Reading, likelier_with, ranked_readings
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
-from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.diagnosis.side_by_side import at_a_time, side_by_side
 from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
 from pneuservo.effects import CATALOGUE
@@ -64,6 +64,8 @@ class Diagnosis:
         What has no name, as a table, where the model has tables and something is left.
     misfit : Misfit or None
         What is no noise though neither a name nor a table explains it.
+    jobs : int
+        So many fits were done at a time, and are by `document`.
     """
 
     rig: Rig
@@ -74,6 +76,7 @@ class Diagnosis:
     after_held_back: Fit | None
     unexplained: Unexplained | None = None
     misfit: Misfit | None = None
+    jobs: int = 1
 
     @property
     def repaired(self) -> Fit:
@@ -223,17 +226,17 @@ def diagnose(
     model = model_of(chosen_rig.kind, frozenset(without))
     # Models other than those run by kernels share what they simulate with, and would only wait.
     jobs = jobs if model.steady else 1
-    prepared = side_by_side(
-        lambda recording: _prepare(model, recording, chosen_rig), [*recordings, *validate], jobs
-    )
-    cases, held_back = (
-        [case for own in group for case in own]
-        for group in (prepared[: len(recordings)], prepared[len(recordings) :])
-    )
-    before = after = None
     # The fits' matrices are tall and narrow: threads would only wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"):
-        search = as_found(_as_read(Search(model, cases, progress, seed, jobs)))
+    with at_a_time(jobs), threadpool_limits(limits=1, user_api="blas"):
+        prepared = side_by_side(
+            lambda recording: _prepare(model, recording, chosen_rig), [*recordings, *validate]
+        )
+        cases, held_back = (
+            [case for own in group for case in own]
+            for group in (prepared[: len(recordings)], prepared[len(recordings) :])
+        )
+        before = after = None
+        search = as_found(_as_read(Search(model, cases, progress, seed)))
         kept_out = HeldBack(model, held_back, search.cases[0])
         unexplained = misfit = None
         if not search.interrupted:
@@ -251,7 +254,9 @@ def diagnose(
             after = kept_out.predicted(repaired, table)
             if unexplained is None and misfit is None:
                 misfit = _not_borne_out(search, kept_out.cases, before, after)
-    return Diagnosis(chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit)
+    return Diagnosis(
+        chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit, jobs
+    )
 
 
 def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | None, Misfit | None]:
@@ -273,7 +278,6 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
         search.baseline,
         search.chosen,
         search.pretence.copies,
-        search.jobs,
     )
     if found is not None:
         beside = search.baseline if found.instead else search.chosen
@@ -329,8 +333,8 @@ def _as_read(search: Search) -> Search:
     between these, or something late may do so, from the fits with that name.
     """
     model, progress = search.model, search.progress
-    ranked = ranked_readings(model, model.readings(search.cases), progress, search.jobs)
-    late = likelier_if_late(model, ranked, progress, search.jobs)
+    ranked = ranked_readings(model, model.readings(search.cases), progress)
+    late = likelier_if_late(model, ranked, progress)
     first = _begun(search, late or ranked[0])
     if late and not first.accepted and not first.interrupted:
         late, first = None, _begun(search, ranked[0])
@@ -339,7 +343,7 @@ def _as_read(search: Search) -> Search:
     if late:
         ranked = [late, *(reading for reading in ranked if reading is not late)]
     try:
-        other = likelier_with(model, ranked, first.baseline, first.chosen, progress, search.jobs)
+        other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
         if other is None:
             return first
         second = _begun(search, other)
@@ -355,14 +359,12 @@ def _as_read(search: Search) -> Search:
 def _begun(search: Search, reading: Reading) -> Search:
     """Return a search in recordings as they are read and best followed, begun."""
     model = search.model
-    cases, baseline = likeliest_followed(
-        model, reading.cases, reading.baseline, search.progress, search.jobs
-    )
-    begun = Search(model, cases, search.progress, search.seed, search.jobs)
+    cases, baseline = likeliest_followed(model, reading.cases, reading.baseline, search.progress)
+    begun = Search(model, cases, search.progress, search.seed)
     if baseline is not None:
         begun.fits[baseline.hypothesis] = baseline
         try:
-            closer = beyond_ridges(model, cases, baseline, search.jobs)
+            closer = beyond_ridges(model, cases, baseline)
         except KeyboardInterrupt:
             begun.interrupted = True
             return begun

@@ -14,6 +14,7 @@ from pneuservo.diagnosis.models.model import Table
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.sessions import between_sessions, session_of
+from pneuservo.diagnosis.side_by_side import at_a_time
 from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
@@ -43,6 +44,11 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         ``cannot_separate``, ``not_visible`` and ``fit``, ready for JSON; ``partial`` too when the
         search was interrupted, ``sessions`` when the rig was fitted to other recordings.
     """
+    with at_a_time(diagnosis.jobs):
+        return _document(diagnosis)
+
+
+def _document(diagnosis: Diagnosis) -> dict[str, Any]:
     verdict = diagnosis.verdict
     missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
     if verdict == "unexplained" and not missing:

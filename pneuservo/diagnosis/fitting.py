@@ -149,7 +149,7 @@ def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit 
     return vector
 
 
-def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1) -> Fit:
+def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
     """Return a fit, or the one beyond a ridge of the sum of squares where that leaves less.
 
     Parameters
@@ -158,8 +158,6 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
         What was fitted to what.
     found : Fit
         From `fit`.
-    jobs : int, optional
-        So many sides at a time.
 
     Notes
     -----
@@ -193,7 +191,7 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit, jobs: int = 1
     ]
     if not moves:
         return found
-    _, least = min(side_by_side(beyond, moves, jobs), key=lambda side: side[0])
+    _, least = min(side_by_side(beyond, moves), key=lambda side: side[0])
     # With weights of its own: by those that are there it might count as settled already.
     begun = replace(problem, begin=least * problem.units, scale={})
     again = _fitted_anew(begun, found.hypothesis)

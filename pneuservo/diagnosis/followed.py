@@ -22,7 +22,6 @@ def likeliest_followed(
     cases: Cases,
     baseline: Fit | None,
     progress: Callable[[str], None],
-    jobs: int = 1,
 ) -> tuple[list[Case], Fit | None]:
     """Return recordings as they are best followed, and their baseline.
 
@@ -36,8 +35,6 @@ def likeliest_followed(
         Of the cases, where it is known.
     progress : callable
         Told what is being fitted.
-    jobs : int, optional
-        So many fits at a time.
 
     Notes
     -----
@@ -48,7 +45,7 @@ def likeliest_followed(
     if len(ways) == 1:
         return list(cases), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
-    fits = baselines_of(model, ways, baseline, jobs)
+    fits = baselines_of(model, ways, baseline)
     values = values_in(ways, fits)
     unlikely = [by_recording(model, *each) for each in zip(ways, values, strict=True)]
     chosen = likeliest_of_each(ways, unlikely)

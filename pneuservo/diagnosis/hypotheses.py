@@ -42,8 +42,6 @@ class Hypotheses:
         Told what is being fitted.
     seed : int, optional
         Seed of the noise that chance is judged by.
-    jobs : int, optional
-        So many fits at a time, of a model that is run by kernels.
     fits : dict, optional
         Every hypothesis fitted so far.
     """
@@ -52,7 +50,6 @@ class Hypotheses:
     cases: Sequence[Case]
     progress: Callable[[str], None] = lambda step: None
     seed: int = 0
-    jobs: int = 1
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
     _promising: dict[Any, dict[str, float]] = field(default_factory=dict)
     _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
@@ -69,7 +66,7 @@ class Hypotheses:
     @cached_property
     def pretence(self) -> Pretence:
         """Return what the method itself pretends, for a model whose sensitivities are steady."""
-        return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed, self.jobs)
+        return Pretence(self.model, self.cases, self.baseline, self.progress, self.seed)
 
     def _promises(
         self, base: Fit, names: Sequence[str], keep: Sequence[str] = ()
@@ -149,7 +146,7 @@ class Hypotheses:
             return self._keeping(promises[name], base, hypothesis, reached, again)
 
         names = list(promises)
-        found = dict(zip(names, side_by_side(add, names, self.jobs), strict=True))
+        found = dict(zip(names, side_by_side(add, names), strict=True))
         for name, closer in found.items():
             if self.model.steady and explained(base, closer) < -DECISIVE:
                 self._hopeless.setdefault(name, []).append(base.hypothesis)
@@ -246,7 +243,7 @@ class Hypotheses:
         if self._from_nominal is None:
             self.progress("working out what each effect would change at nominal parameters")
             self._from_nominal = promises_from_nominal(
-                self.model, self.cases, self.baseline, names, self._one_sided, self.jobs
+                self.model, self.cases, self.baseline, names, self._one_sided
             )
         return self._from_nominal
 

@@ -16,7 +16,7 @@ _LATE_WORTH_FITTING = 2
 
 
 def likelier_if_late(
-    model: Model, ranked: Sequence[Reading], progress: Callable[[str], None], jobs: int = 1
+    model: Model, ranked: Sequence[Reading], progress: Callable[[str], None]
 ) -> Reading | None:
     """Return the reading that something late would make likelier than the first, if there is one.
 
@@ -28,8 +28,6 @@ def likelier_if_late(
         From `ranked_readings`.
     progress : callable
         Told what is being worked out.
-    jobs : int, optional
-        So many effects at a time.
 
     Notes
     -----
@@ -50,7 +48,7 @@ def likelier_if_late(
     if not others:
         return None
     progress("asking what something late would make of the ways to read the recordings")
-    promises = {id(reading): _promised_if_late(model, reading, jobs) for reading in others}
+    promises = {id(reading): _promised_if_late(model, reading) for reading in others}
     near = [
         other
         for other in others
@@ -59,7 +57,7 @@ def likelier_if_late(
     ]
     if not near:
         return None
-    promises[id(first)] = _promised_if_late(model, first, jobs)
+    promises[id(first)] = _promised_if_late(model, first)
     tried = (first, *near)
     unlikely = [
         reading.unlikely - _explained_if_late(model, reading, promises[id(reading)])
@@ -80,13 +78,13 @@ def _misfit(baseline: Fit) -> float:
     return sum(max(float(r @ r) - len(r), 0.0) for r in baseline.residuals)
 
 
-def _promised_if_late(model: Model, reading: Reading, jobs: int) -> dict[str, float]:
+def _promised_if_late(model: Model, reading: Reading) -> dict[str, float]:
     """Return what each effect that is late promises to explain, in noise."""
     if reading.baseline is None:
         return {}
     effects = [effect for effect in model.effects if effect.block in model.late]
     base = reading.baseline.in_noise
-    signatures = signatures_of(model, reading.cases, base, jobs, effects)
+    signatures = signatures_of(model, reading.cases, base, effects)
     one_sided = {effect.id for effect in effects if effect.parameters[0].low >= 0.0}
     return scores(base, signatures, list(signatures), one_sided)
 

@@ -55,8 +55,6 @@ class Pretence:
         Told what is being worked out.
     seed : int
         Seed of the noise of the imitations.
-    jobs : int, optional
-        So many effects, or imitations, at a time.
 
     Notes
     -----
@@ -71,10 +69,9 @@ class Pretence:
         baseline: Fit,
         progress: Callable[[str], None],
         seed: int,
-        jobs: int = 1,
     ):
         self._model, self._cases, self._baseline = model, cases, baseline
-        self._progress, self._seed, self._jobs = progress, seed, jobs
+        self._progress, self._seed = progress, seed
         self._imitations: dict[Hypothesis, list[list[Array]]] = {}
         self._visible: dict[Hypothesis, dict[str, Visibility]] = {}
         self._anew: dict[Hypothesis, Signatures] = {}
@@ -83,7 +80,7 @@ class Pretence:
     def signatures(self) -> Signatures:
         """Return what each effect changes in the baseline, by effect id."""
         self._progress("working out what each effect would change")
-        return signatures_of(self._model, self._cases, self._baseline, self._jobs)
+        return signatures_of(self._model, self._cases, self._baseline)
 
     def signatures_beside(self, found: Fit) -> Signatures:
         """Return what each effect changes beside a fit, as far as that was worked out."""
@@ -98,9 +95,7 @@ class Pretence:
         far = explained(self._baseline, found) > FAR
         if far and found.hypothesis not in self._anew:
             self._progress("working out what each effect would change beside what was found")
-            self._anew[found.hypothesis] = signatures_of(
-                self._model, self._cases, found, self._jobs
-            )
+            self._anew[found.hypothesis] = signatures_of(self._model, self._cases, found)
 
     def forget(self, hypothesis: Hypothesis) -> None:
         """Forget what was worked out beside a fit that another one has taken the place of.
@@ -131,7 +126,7 @@ class Pretence:
             values = values_in_each(self._cases, self._cases[0], fitted.shared, fitted.own)
             draws = [np.random.default_rng((self._seed, draw)) for draw in range(IMITATIONS)]
             self._imitations[fitted.hypothesis] = side_by_side(
-                lambda rng: self._imitated(values, rng), draws, self._jobs
+                lambda rng: self._imitated(values, rng), draws
             )
         return [
             fitted.beyond_refit(fitted.weigh(left)) for left in self._imitations[fitted.hypothesis]

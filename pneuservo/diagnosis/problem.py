@@ -9,6 +9,7 @@ import numpy as np
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
 from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.side_by_side import side_by_side
 
 _LEAST_SHARE = 1e-3
 """Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
@@ -253,10 +254,21 @@ def residuals_of(model: Model, cases: Sequence[Case], values: Sequence[Values]) 
     values : sequence of mapping
         From `values_in_each`.
     """
-    return [
-        (case.measured - model.predict(case, mine))[case.usable]
-        for case, mine in zip(cases, values, strict=True)
-    ]
+    # What is judged of one recording is simulated at once, and kept.
+    together: dict[int, list[int]] = {}
+    for place, case in enumerate(cases):
+        together.setdefault(id(case.recording), []).append(place)
+
+    def left_at(places: Sequence[int]) -> list[Array]:
+        with np.errstate(all="ignore"):
+            return [
+                (cases[i].measured - model.predict(cases[i], values[i]))[cases[i].usable]
+                for i in places
+            ]
+
+    found = side_by_side(left_at, together.values())
+    left = dict(zip(itertools.chain(*together.values()), itertools.chain(*found), strict=True))
+    return [left[place] for place in range(len(cases))]
 
 
 def problems_of(model: Model, cases: Sequence[Case], hypothesis: Hypothesis) -> list[Problem]:

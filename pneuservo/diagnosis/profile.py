@@ -26,7 +26,6 @@ def with_profiles(
     found: Fit,
     keys: Sequence[str],
     rise: float = RISE,
-    jobs: int = 1,
 ) -> Fit:
     """Return a fit with the intervals of some shared values from their profile likelihood.
 
@@ -40,8 +39,6 @@ def with_profiles(
         Shared values whose intervals are wanted.
     rise : float, optional
         Of the weighted sum of squares at the ends of an interval.
-    jobs : int, optional
-        So many ends at a time.
 
     Returns
     -------
@@ -65,7 +62,7 @@ def with_profiles(
     profile = _Profile(problem, vector, found.sensitivity * (problem.units / found.units), rise)
     place = {unknown.key: i for i, unknown in enumerate(problem.shared)}
     asked = [(place[key], sign) for key in keys for sign in (-1.0, 1.0)]
-    ends = iter(side_by_side(lambda each: profile.end(*each), asked, jobs))
+    ends = iter(side_by_side(lambda each: profile.end(*each), asked))
     intervals = dict(found.intervals)
     for key, one, other in zip(keys, ends, ends, strict=True):
         low, high = sorted(end * float(problem.units[place[key]]) for end in (one, other))

@@ -41,7 +41,7 @@ class Reading:
 
 
 def ranked_readings(
-    model: Model, readings: Sequence[Cases], progress: Callable[[str], None], jobs: int = 1
+    model: Model, readings: Sequence[Cases], progress: Callable[[str], None]
 ) -> list[Reading]:
     """Return the ways to read some recordings, the likeliest first, a mixture among them.
 
@@ -53,8 +53,6 @@ def ranked_readings(
         The same recordings, each time read in another way.
     progress : callable
         Told what is being fitted.
-    jobs : int, optional
-        So many fits at a time.
 
     Notes
     -----
@@ -66,7 +64,7 @@ def ranked_readings(
     if len(readings) == 1:
         return [Reading(readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
-    ways, fits, unlikely = _with_mixtures(model, readings, jobs)
+    ways, fits, unlikely = _with_mixtures(model, readings)
     # Of mixtures only the likeliest is worth coming back to.
     best = _likeliest(unlikely)
     kept = [n for n in range(len(ways)) if n < len(readings) or n == best]
@@ -75,14 +73,14 @@ def ranked_readings(
 
 
 def _with_mixtures(
-    model: Model, readings: Sequence[Cases], jobs: int
+    model: Model, readings: Sequence[Cases]
 ) -> tuple[list[Cases], list[Fit], list[dict[int, float]]]:
     """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
 
     Each recording in its likeliest way first; then the likeliest of all, one recording turned at a
     time: beside a relay that was read wrongly a proportional loop seemed likelier read wrongly too.
     """
-    ways, fits = list(readings), baselines_of(model, readings, None, jobs)
+    ways, fits = list(readings), baselines_of(model, readings, None)
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
 
     def try_as_well(mixture: Cases) -> None:
@@ -121,7 +119,6 @@ def likelier_with(
     baseline: Fit,
     named: Fit,
     progress: Callable[[str], None],
-    jobs: int = 1,
 ) -> Reading | None:
     """Return the reading that a name makes likelier than the first of them, if there is one.
 
@@ -135,8 +132,6 @@ def likelier_with(
         Of the first, without the name and with it.
     progress : callable
         Told what is being fitted.
-    jobs : int, optional
-        So many fits at a time.
 
     Notes
     -----
@@ -152,9 +147,7 @@ def likelier_with(
     # It may have taken more than one fit to find it: the first is judged by the likelier.
     tried = (first, first, *others)
     fits = [named]
-    fits += side_by_side(
-        lambda r: fit(model, r.cases, named.hypothesis, r.baseline), tried[1:], jobs
-    )
+    fits += side_by_side(lambda r: fit(model, r.cases, named.hypothesis, r.baseline), tried[1:])
     ways = [reading.cases for reading in tried]
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
     best = min(zip(tried, unlikely, strict=True), key=lambda each: sum(each[1].values()))[0]

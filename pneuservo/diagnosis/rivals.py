@@ -31,7 +31,7 @@ class Rivals(Accepted):
 
     Parameters
     ----------
-    model, cases, progress, seed, jobs, fits
+    model, cases, progress, seed, fits
         As of `Hypotheses`.
     """
 

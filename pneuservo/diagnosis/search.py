@@ -34,7 +34,7 @@ class Search(Rivals):
 
     Parameters
     ----------
-    model, cases, progress, seed, jobs, fits
+    model, cases, progress, seed, fits
         As of `Hypotheses`.
 
     Attributes
@@ -226,9 +226,7 @@ class Search(Rivals):
             rise = RISE
             if self.model.steady:
                 rise += FORM * max(explained(self.baseline, chosen), 0.0)
-            self.fits[chosen.hypothesis] = with_profiles(
-                self.model, self.cases, chosen, keys, rise, self.jobs
-            )
+            self.fits[chosen.hypothesis] = with_profiles(self.model, self.cases, chosen, keys, rise)
 
     def give_up(self, why: str) -> None:
         """Drop every name.

@@ -24,7 +24,6 @@ def signatures_of(
     model: Model,
     cases: Sequence[Case],
     base: Fit,
-    jobs: int = 1,
     effects: Sequence[Effect] | None = None,
 ) -> dict[str, list[Array]]:
     """Return what each effect of a rig changes in the residuals.
@@ -35,8 +34,6 @@ def signatures_of(
         What is fitted to what.
     base : Fit
         The fitted baseline.
-    jobs : int, optional
-        So many effects at a time.
     effects : sequence of Effect, optional
         Those that are asked for; without them all of the model.
 
@@ -47,7 +44,7 @@ def signatures_of(
         further parameter [unit of the cases].
     """
     effects = model.effects if effects is None else effects
-    found = side_by_side(lambda effect: _signatures(model, cases, base, effect), effects, jobs)
+    found = side_by_side(lambda effect: _signatures(model, cases, base, effect), effects)
     return {effect.id: variants for effect, variants in zip(effects, found, strict=True)}
 
 

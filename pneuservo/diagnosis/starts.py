@@ -46,6 +46,8 @@ def best_start(
         From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
+    if near is not None:
+        starts = _as_found(starts, near)
     if near is not None and begin is not Begin.NOMINAL:
         # The parameters may have gone astray for want of the effect: their nominal values as well.
         moved = [begun_at(start, near.shared, near.own) for start in starts]
@@ -57,6 +59,16 @@ def best_start(
             starts = sized if alone and sized else starts + sized
             starts += _balanced(moved[0], near, hypothesis)
     return least_of(starts)
+
+
+def _as_found(starts: Sequence[Problem], near: Fit) -> list[Problem]:
+    """Return starts with the effects of a similar fit as they were found, no two alike."""
+    found = {key: near.shared[key] for key in near.shared if ":" in key}
+    distinct: dict[tuple[float, ...], Problem] = {}
+    for start in starts:
+        begun = begun_at(start, found, [{}] * len(start.own))
+        distinct.setdefault(tuple(np.asarray(begun.begin).tolist()), begun)
+    return list(distinct.values())
 
 
 def least_of(starts: Sequence[Problem]) -> Problem:

@@ -89,7 +89,6 @@ def promises_from_nominal(
     base: Fit,
     names: Collection[str],
     one_sided: Collection[str],
-    jobs: int = 1,
 ) -> dict[str, float]:
     """Return what effects promise to explain beyond a baseline if parameters are nominal after all.
 
@@ -103,8 +102,6 @@ def promises_from_nominal(
         Candidates; what is no effect is passed over.
     one_sided : collection of str
         Effects whose size cannot be negative.
-    jobs : int, optional
-        So many effects at a time.
 
     Returns
     -------
@@ -120,7 +117,7 @@ def promises_from_nominal(
     """
     nominal = at_nominal(model, cases, base)
     more = float(np.sum(base.left**2) - np.sum(nominal.unabsorbed**2))
-    signatures = signatures_of(model, cases, nominal, jobs)
+    signatures = signatures_of(model, cases, nominal)
     effects = [name for name in signatures if name in names]
     found = {
         name: more + score

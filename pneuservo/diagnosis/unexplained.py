@@ -159,7 +159,6 @@ def find_unexplained(
     baseline: Fit,
     chosen: Fit,
     copies: Copies,
-    jobs: int = 1,
 ) -> Unexplained | None:
     """Return the table that explains what a model leaves, where it earns its place.
 
@@ -173,8 +172,6 @@ def find_unexplained(
         The re-fitted baseline, and the model with everything that was named.
     copies : callable
         See `Copies`.
-    jobs : int, optional
-        So many tables at a time.
 
     Returns
     -------
@@ -190,7 +187,7 @@ def find_unexplained(
     noise, a table may do better in their place.
     """
     baseline, chosen = (of_channels(cases, fit) for fit in (baseline, chosen))
-    beside = _best(model, cases, tables, chosen, copies, jobs)
+    beside = _best(model, cases, tables, chosen, copies)
     names = len(chosen.hypothesis.effects)
     if not names:
         return beside
@@ -201,7 +198,7 @@ def find_unexplained(
         # One more name is no reason to drop others.
         return replace(beside, named_gain=named)
     if beside is not None or names >= MANY_NAMES or _hardly_closer(baseline, chosen):
-        instead = _best(model, cases, tables, baseline, copies, jobs)
+        instead = _best(model, cases, tables, baseline, copies)
         if instead is not None:
             enough = INSTEAD_OF_MANY if names >= MANY_NAMES else INSTEAD
             # In noise too: what a table does not follow would count for little in its own weights.
@@ -227,7 +224,6 @@ def _best(
     tables: Sequence[Table],
     base: Fit,
     copies: Copies,
-    jobs: int,
 ) -> Unexplained | None:
     """Return the table that explains most of what a fit leaves, of those that earn their place.
 
@@ -239,7 +235,7 @@ def _best(
     promise: list[tuple[float, Tabulated]] = []
     placed = [Tabulated(model, cases, table, cases[0]) for table in tables]
     roughly = side_by_side(
-        lambda each: each.changes(base, coarse_shapes(len(each.table.knots))), placed, jobs
+        lambda each: each.changes(base, coarse_shapes(len(each.table.knots))), placed
     )
     for each, columns in zip(placed, roughly, strict=True):
         promised = [most_gained(spans_beyond(side, [columns]), left) for side, left in sides]
@@ -250,7 +246,7 @@ def _best(
         for gain, each in promise[:WORTH_FITTING]
         if gain > LEAST_PROMISE * each.table.least_gain
     ]
-    changes = side_by_side(lambda each: each.changes(base), worth_fitting, jobs)
+    changes = side_by_side(lambda each: each.changes(base), worth_fitting)
     fitted = [
         _fitted(each, base, columns, copies)
         for each, columns in zip(worth_fitting, changes, strict=True)

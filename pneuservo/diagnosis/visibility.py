@@ -78,7 +78,7 @@ def _faint(search: Search, effects: Sequence[Effect]) -> dict[str, str]:
     """
     usual = search.pretence.visible(search.baseline)
     shows = [effect for effect in effects if usual[effect.id].distinct >= NAMEABLE]
-    found = side_by_side(lambda effect: _at_its_smallest(search, effect), shows, search.jobs)
+    found = side_by_side(lambda effect: _at_its_smallest(search, effect), shows)
     reasons = {
         effect.id: _below(effect, smallest, usual[effect.id].distinct)
         for effect, smallest in zip(shows, found, strict=True)

@@ -87,7 +87,7 @@ def by_recording(
     return found
 
 
-def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None, jobs: int) -> list[Fit]:
+def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None) -> list[Fit]:
     """Return the baselines, each begun where the first one has ended.
 
     Parameters
@@ -98,11 +98,9 @@ def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None, jobs: i
         The same recordings, each time in another way.
     first : Fit or None
         To the first of them, where it is known.
-    jobs : int
-        So many fits at a time.
     """
     begun = first or fit(model, ways[0], Hypothesis())
-    return [begun, *side_by_side(lambda way: refitted(model, way, begun), ways[1:], jobs)]
+    return [begun, *side_by_side(lambda way: refitted(model, way, begun), ways[1:])]
 
 
 def values_in(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:

@@ -30,7 +30,7 @@ def test_a_weak_motor_strains_the_spool_and_shows_from_its_nominal_frequency():
     assert is_strained(base)
     names = [effect.id for effect in search.model.effects]
     near = promising(base, search.pretence.signatures, names, (), one_sided)
-    found = promises_from_nominal(search.model, search.cases, base, names, one_sided, jobs=2)
+    found = promises_from_nominal(search.model, search.cases, base, names, one_sided)
     assert max(found, key=found.__getitem__) == "spool.amplitude-bandwidth"
     assert max(near, key=near.__getitem__) != "spool.amplitude-bandwidth"
     assert min(found.values()) > LEAST_PROMISE
