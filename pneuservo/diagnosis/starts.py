@@ -46,11 +46,9 @@ def best_start(
         From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
-    if near is not None:
-        starts = _as_found(starts, near)
     if near is not None and begin is not Begin.NOMINAL:
         # The parameters may have gone astray for want of the effect: their nominal values as well.
-        moved = [begun_at(start, near.shared, near.own) for start in starts]
+        moved = _distinct([begun_at(start, near.shared, near.own) for start in starts])
         starts += moved
         if model.steady:
             # A fit that keeps its sensitivities has to begin near enough.
@@ -61,14 +59,18 @@ def best_start(
     return least_of(starts)
 
 
-def _as_found(starts: Sequence[Problem], near: Fit) -> list[Problem]:
-    """Return starts with the effects of a similar fit as they were found, no two alike."""
-    found = {key: near.shared[key] for key in near.shared if ":" in key}
-    distinct: dict[tuple[float, ...], Problem] = {}
+def _distinct(starts: Sequence[Problem]) -> list[Problem]:
+    """Return starts without those that are as another is: what was found has one value, not many.
+
+    Parameters
+    ----------
+    starts : sequence of Problem
+        They differ only in where they begin.
+    """
+    begun: dict[tuple[float, ...], Problem] = {}
     for start in starts:
-        begun = begun_at(start, found, [{}] * len(start.own))
-        distinct.setdefault(tuple(np.asarray(begun.begin).tolist()), begun)
-    return list(distinct.values())
+        begun.setdefault(tuple(np.asarray(start.begin).tolist()), start)
+    return list(begun.values())
 
 
 def least_of(starts: Sequence[Problem]) -> Problem:
