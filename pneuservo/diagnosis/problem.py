@@ -260,11 +260,10 @@ def residuals_of(model: Model, cases: Sequence[Case], values: Sequence[Values]) 
         together.setdefault(id(case.recording), []).append(place)
 
     def left_at(places: Sequence[int]) -> list[Array]:
-        with np.errstate(all="ignore"):
-            return [
-                (cases[i].measured - model.predict(cases[i], values[i]))[cases[i].usable]
-                for i in places
-            ]
+        return [
+            (cases[i].measured - model.predict(cases[i], values[i]))[cases[i].usable]
+            for i in places
+        ]
 
     found = side_by_side(left_at, together.values())
     left = dict(zip(itertools.chain(*together.values()), itertools.chain(*found), strict=True))

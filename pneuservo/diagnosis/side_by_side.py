@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from contextvars import ContextVar
+from contextvars import ContextVar, copy_context
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -48,9 +48,15 @@ def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[
     items, jobs = list(items), _AT_A_TIME.get()
     if jobs == 1 or len(items) < 2:
         return [work(item) for item in items]
-    # Its threads begin in a context of their own, in which one is done at a time.
+
+    def alone(item: Item) -> Result:
+        with at_a_time(1):
+            return work(item)
+
     with ThreadPoolExecutor(jobs) as pool:
-        waiting = [pool.submit(work, item) for item in items]
+        # A thread has a context of its own: without this one's, numpy would warn there of what is
+        # to be passed over here.
+        waiting = [pool.submit(copy_context().run, alone, item) for item in items]
         try:
             return [each.result() for each in waiting]
         except BaseException:
