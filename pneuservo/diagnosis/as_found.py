@@ -1,7 +1,8 @@
 """Recordings followed as what was found allows: what a model lacks decides how far to trust it."""
 
-from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import refitted
+from pneuservo.diagnosis.judge import AS_GOOD, TIED
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.search import Search
@@ -33,12 +34,28 @@ def as_found(search: Search) -> Search:
 
 
 def _begun_anew(search: Search) -> Search:
-    """Return a search begun again in recordings followed with the first name, where they are."""
+    """Return a search begun again in recordings followed with the first name, where they are.
+
+    Another name than the first must not make them far unlikelier than that does there: what is
+    missed slowly has few samples to be judged by, and evidence alone may prefer what misses more.
+    """
     begun = _followed_anew(search)
-    if begun is not search:
-        begun.begin()
-        search.interrupted = begun.interrupted
-    return begun if begun.accepted else search
+    if begun is search:
+        return search
+    first = begun.fits[search.chosen.hypothesis]
+    begun.begin()
+    search.interrupted = begun.interrupted
+    if not begun.accepted:
+        return search
+    if _is_far_unlikelier(begun, begun.chosen, first):
+        begun.accepted[:], begun.ledger[:] = search.accepted, search.ledger
+    return begun
+
+
+def _is_far_unlikelier(search: Search, found: Fit, other: Fit) -> bool:
+    """Return whether a fit misses more than another one does, and not for how forms of laws are."""
+    form = AS_GOOD * explained(search.baseline, other, other.in_noise)
+    return _unlikeliness(search, found) > _unlikeliness(search, other) + TIED + form
 
 
 def _run_anew(search: Search) -> Search:
