@@ -2,8 +2,8 @@
 
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import refitted
-from pneuservo.diagnosis.judge import AS_GOOD, TIED
 from pneuservo.diagnosis.followed import likeliest_followed
+from pneuservo.diagnosis.judge import AS_GOOD, TIED
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.strained import leaves_noise
