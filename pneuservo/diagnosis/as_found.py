@@ -1,9 +1,8 @@
 """Recordings followed as what was found allows: what a model lacks decides how far to trust it."""
 
-from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.fitting import refitted
 from pneuservo.diagnosis.followed import likeliest_followed
-from pneuservo.diagnosis.judge import AS_GOOD, TIED
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.strained import leaves_noise
@@ -16,15 +15,15 @@ def as_found(search: Search) -> Search:
     Parameters
     ----------
     search : Search
-        In recordings as they are best followed without any name.
+        From `with_first_name`.
 
     Notes
     -----
-    With a name in it a model may be trusted so far that another is seen to be the right one, or
-    that a second effect shows. What is still missing has an observer trust its model less, which
-    then follows what is missing: so at last it is asked for by one that trusts its model.
+    With a name in it a model may be trusted so far that a second effect shows. What is still
+    missing has an observer trust its model less, which then follows what is missing: so at last it
+    is asked for by one that trusts its model.
     """
-    for further in (_begun_anew, _run_anew, _trusted):
+    for further in (_run_anew, _trusted):
         if not search.interrupted:
             try:
                 search = further(search)
@@ -33,42 +32,23 @@ def as_found(search: Search) -> Search:
     return search
 
 
-def _begun_anew(search: Search) -> Search:
-    """Return a search begun again in recordings followed with the first name, where they are.
-
-    Another name than the first must not make them far unlikelier than that does there: what is
-    missed slowly has few samples to be judged by, and evidence alone may prefer what misses more.
-    """
-    begun = _followed_anew(search)
-    if begun is search:
-        return search
-    first = begun.fits[search.chosen.hypothesis]
-    begun.begin()
-    search.interrupted = begun.interrupted
-    if not begun.accepted:
-        return search
-    if _is_far_unlikelier(begun, begun.chosen, first):
-        begun.accepted[:], begun.ledger[:] = search.accepted, search.ledger
-    return begun
-
-
-def _is_far_unlikelier(search: Search, found: Fit, other: Fit) -> bool:
-    """Return whether a fit misses more than another one does, and not for how forms of laws are."""
-    form = AS_GOOD * explained(search.baseline, other, other.in_noise)
-    return _unlikeliness(search, found) > _unlikeliness(search, other) + TIED + form
-
-
 def _run_anew(search: Search) -> Search:
     """Return a search that was run, once more where recordings are followed with further names."""
     first = frozenset(search.accepted)
     search.run()
     if search.interrupted or frozenset(search.accepted) == first:
         return search
-    return _gone_on(search, _followed_anew(search))
+    return _gone_on(search, followed_anew(search))
 
 
-def _followed_anew(search: Search) -> Search:
-    """Return a search in recordings that are better followed with what was found, or the same."""
+def followed_anew(search: Search) -> Search:
+    """Return a search in recordings that are better followed with what was found, or the same.
+
+    Parameters
+    ----------
+    search : Search
+        What it has accepted is fitted to the recordings as they are followed then.
+    """
     if not search.accepted:
         return search
     model, named = search.model, search.chosen
@@ -87,8 +67,8 @@ def _trusted(search: Search) -> Search:
     if frozenset(other.accepted) <= frozenset(search.accepted):
         return search
     as_it_was = refitted(model, search.cases, other.chosen)
-    before = min(_unlikeliness(search, found) for found in (search.chosen, as_it_was))
-    return other if _unlikeliness(other, other.chosen) < before else search
+    before = min(unlikeliness_of(search, found) for found in (search.chosen, as_it_was))
+    return other if unlikeliness_of(other, other.chosen) < before else search
 
 
 def _elsewhere(search: Search, cases: Cases, named: Fit) -> Search:
@@ -109,5 +89,14 @@ def _gone_on(search: Search, other: Search) -> Search:
     return other if other.accepted else search
 
 
-def _unlikeliness(search: Search, found: Fit) -> float:
+def unlikeliness_of(search: Search, found: Fit) -> float:
+    """Return how unlikely a fit makes all recordings of a search.
+
+    Parameters
+    ----------
+    search : Search
+        In recordings as they are read and followed.
+    found : Fit
+        To them.
+    """
     return search.model.unlikeliness(search.cases, values_in([search.cases], [found])[0])

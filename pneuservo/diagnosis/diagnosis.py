@@ -8,16 +8,13 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.as_found import as_found
+from pneuservo.diagnosis.first_name import with_first_name
 from pneuservo.diagnosis.fit import Fit, explained
-from pneuservo.diagnosis.fitting import beyond_ridges
-from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.held_back import HeldBack, times_missed
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
-from pneuservo.diagnosis.late import likelier_if_late
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.models.model import Misfit
-from pneuservo.diagnosis.readings import Reading, likelier_with, ranked_readings
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.side_by_side import at_a_time, side_by_side
@@ -236,7 +233,7 @@ def diagnose(
             for group in (prepared[: len(recordings)], prepared[len(recordings) :])
         )
         before = after = None
-        search = as_found(_as_read(Search(model, cases, progress, seed)))
+        search = as_found(with_first_name(Search(model, cases, progress, seed)))
         kept_out = HeldBack(model, held_back, search.cases[0])
         unexplained = misfit = None
         if not search.interrupted:
@@ -324,53 +321,6 @@ def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     recording = model.completed(recording, rig)
     model.require_channels(recording)
     return model.cases(recording, rig)
-
-
-def _as_read(search: Search) -> Search:
-    """Return the search in the recordings as they are best read, begun.
-
-    How they are read follows from their baselines and, where a name explains more than lies
-    between these, or something late may do so, from the fits with that name.
-    """
-    model, progress = search.model, search.progress
-    ranked = ranked_readings(model, model.readings(search.cases), progress)
-    late = likelier_if_late(model, ranked, progress)
-    first = _begun(search, late or ranked[0])
-    if late and not first.accepted and not first.interrupted:
-        late, first = None, _begun(search, ranked[0])
-    if first.interrupted or not first.accepted:
-        return first
-    if late:
-        ranked = [late, *(reading for reading in ranked if reading is not late)]
-    try:
-        other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
-        if other is None:
-            return first
-        second = _begun(search, other)
-        if second.accepted or not second.interrupted:
-            return second
-    except KeyboardInterrupt:
-        pass
-    # What the first reading has shown is more than nothing.
-    first.interrupted = True
-    return first
-
-
-def _begun(search: Search, reading: Reading) -> Search:
-    """Return a search in recordings as they are read and best followed, begun."""
-    model = search.model
-    cases, baseline = likeliest_followed(model, reading.cases, reading.baseline, search.progress)
-    begun = Search(model, cases, search.progress, search.seed)
-    if baseline is not None:
-        begun.fits[baseline.hypothesis] = baseline
-        try:
-            closer = beyond_ridges(model, cases, baseline)
-        except KeyboardInterrupt:
-            begun.interrupted = True
-            return begun
-        begun.fits[closer.hypothesis] = closer
-    begun.begin()
-    return begun
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

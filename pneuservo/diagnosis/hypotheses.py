@@ -44,6 +44,13 @@ class Hypotheses:
         Seed of the noise that chance is judged by.
     fits : dict, optional
         Every hypothesis fitted so far.
+
+    Attributes
+    ----------
+    may_guess : bool
+        Whether parameters that stay strained are believed for the time being.
+    guessed : bool
+        Whether they were: another effect may have strained them than the one that seems the best.
     """
 
     model: Model
@@ -51,6 +58,8 @@ class Hypotheses:
     progress: Callable[[str], None] = lambda step: None
     seed: int = 0
     fits: dict[Hypothesis, Fit] = field(default_factory=dict)
+    may_guess: bool = False
+    guessed: bool = False
     _promising: dict[Any, dict[str, float]] = field(default_factory=dict)
     _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
     """Candidates beside which the fit ended worse than without them."""
@@ -233,7 +242,9 @@ class Hypotheses:
             # A parameter that is let go is strained no more, whatever strained it.
             effects = {n: closer for n, closer in found.items() if not n.startswith("param.")}
             best, reached = _best_of(base, effects, barred)
-            if is_strained(effects.get(best, base)):
+            strained = is_strained(effects.get(best, base))
+            self.guessed = strained and self.may_guess
+            if strained and not self.may_guess:
                 hidden = self._promised_from_nominal(names)
                 found |= self._fitted_with(base, hidden, reached, again=True)
         return {name: found[name] for name in names if name in found}

@@ -47,8 +47,13 @@ class Search(Rivals):
 
     over_chance: dict[str, float] = field(default_factory=dict)
 
-    def begin(self) -> None:
+    def begin(self, guess: bool = False) -> None:
         """Search for the first of what the recordings call for; `run` goes on from there.
+
+        Parameters
+        ----------
+        guess : bool, optional
+            Whether what is found may be a guess, see `guessed`; with nothing found it is none.
 
         Raises
         ------
@@ -56,7 +61,15 @@ class Search(Rivals):
             When not even the baseline is fitted yet.
         """
         with self._kept_when_interrupted():
-            self._add(1)
+            self._begin(guess)
+            if self.guessed and not self.accepted:
+                self._begin(guess=False)
+
+    def _begin(self, guess: bool) -> None:
+        self.accepted.clear()
+        self.ledger.clear()
+        self.may_guess, self.guessed = guess, False
+        self._add(1)
 
     def run(self) -> None:
         """Search, and keep what has been found when the user interrupts it.

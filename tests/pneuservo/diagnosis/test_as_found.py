@@ -1,14 +1,12 @@
 """What an observer hides that trusts its model too little is found by one that trusts it."""
 
 import dataclasses
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from servo_recordings import NOISE, noisy
 
 from pneuservo.controllers import Proportional
-from pneuservo.diagnosis import as_found as module
 from pneuservo.diagnosis.as_found import as_found
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import ranked_readings
@@ -51,36 +49,3 @@ def test_a_side_load_that_is_hidden_is_found_and_nothing_where_there_is_none(for
     assert found.accepted == ["friction.side-load"]
     assert found.chosen.shared["friction.side-load:force"] == pytest.approx(force, rel=0.2)
     assert all(case.inputs["feed"].unsteadiness < 0.1 for case in found.cases)
-
-
-@pytest.mark.parametrize(
-    ("unlikeliness", "kept"),
-    [(-90.0, "other"), (0.0, "other"), (11.0, "other"), (13.0, "first")],
-)
-def test_another_first_name_stands_unless_it_makes_recordings_far_unlikelier(
-    monkeypatch, unlikeliness, kept
-):
-    fits = {
-        name: SimpleNamespace(hypothesis=name, in_noise=name) for name in ("", "first", "other")
-    }
-    begun, search = (
-        SimpleNamespace(
-            fits=fits,
-            baseline=fits[""],
-            accepted=[name],
-            ledger=[name],
-            chosen=fits[name],
-            interrupted=False,
-            begin=lambda: None,
-        )
-        for name in ("other", "first")
-    )
-    # The first name explains 1,000 where the recordings are followed with it: 2 and 10 are form.
-    monkeypatch.setattr(module, "explained", lambda *fits: 1000.0)
-    monkeypatch.setattr(module, "_followed_anew", lambda search: begun)
-    monkeypatch.setattr(
-        module,
-        "_unlikeliness",
-        lambda search, found: unlikeliness if found is fits["other"] else 0.0,
-    )
-    assert module._begun_anew(search).accepted == [kept]

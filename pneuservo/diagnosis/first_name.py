@@ -1,0 +1,120 @@
+"""The first name, in recordings that are read and followed as it allows."""
+
+from pneuservo.diagnosis.as_found import followed_anew, unlikeliness_of
+from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fitting import beyond_ridges
+from pneuservo.diagnosis.followed import likeliest_followed
+from pneuservo.diagnosis.judge import AS_GOOD, TIED
+from pneuservo.diagnosis.late import likelier_if_late
+from pneuservo.diagnosis.readings import Reading, likelier_with, ranked_readings
+from pneuservo.diagnosis.search import Search
+
+
+def with_first_name(search: Search) -> Search:
+    """Return a search that has begun, in recordings as they are best read and followed.
+
+    Parameters
+    ----------
+    search : Search
+        In recordings as they come.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When not even the baseline is fitted yet.
+
+    Notes
+    -----
+    With a name in it a model may be trusted so far that another is seen to be the right one, so the
+    search begins again there. What that only has to confirm may be a guess at first.
+    """
+    first = _as_read(search, guess=True)
+    if first.interrupted or not first.accepted:
+        return first
+    try:
+        if not first.guessed:
+            return _begun_anew(first)
+        guess = list(first.accepted)
+        sure = followed_anew(first)
+        sure.begin()
+        if sure.interrupted and not sure.accepted:
+            sure.accepted[:] = guess
+        if sure.interrupted or sure.accepted == guess:
+            return sure
+        first = _as_read(search, guess=False)
+        return _begun_anew(first)
+    except KeyboardInterrupt:
+        first.interrupted = True
+        return first
+
+
+def _as_read(search: Search, guess: bool) -> Search:
+    """Return the search in the recordings as they are best read, begun.
+
+    How they are read follows from their baselines and, where a name explains more than lies
+    between these, or something late may do so, from the fits with that name.
+    """
+    model, progress = search.model, search.progress
+    ranked = ranked_readings(model, model.readings(search.cases), progress)
+    late = likelier_if_late(model, ranked, progress)
+    first = _begun(search, late or ranked[0], guess)
+    if late and not first.accepted and not first.interrupted:
+        late, first = None, _begun(search, ranked[0], guess)
+    if first.interrupted or not first.accepted:
+        return first
+    if late:
+        ranked = [late, *(reading for reading in ranked if reading is not late)]
+    try:
+        other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
+        if other is None:
+            return first
+        second = _begun(search, other, guess)
+        if second.accepted or not second.interrupted:
+            return second
+    except KeyboardInterrupt:
+        pass
+    # What the first reading has shown is more than nothing.
+    first.interrupted = True
+    return first
+
+
+def _begun(search: Search, reading: Reading, guess: bool) -> Search:
+    """Return a search in recordings as they are read and best followed, begun."""
+    model = search.model
+    cases, baseline = likeliest_followed(model, reading.cases, reading.baseline, search.progress)
+    begun = Search(model, cases, search.progress, search.seed)
+    if baseline is not None:
+        begun.fits[baseline.hypothesis] = baseline
+        try:
+            closer = beyond_ridges(model, cases, baseline)
+        except KeyboardInterrupt:
+            begun.interrupted = True
+            return begun
+        begun.fits[closer.hypothesis] = closer
+    begun.begin(guess)
+    return begun
+
+
+def _begun_anew(search: Search) -> Search:
+    """Return a search begun again in recordings followed with the first name, where they are.
+
+    Another name than the first must not make them far unlikelier than that does there: what is
+    missed slowly has few samples to be judged by, and evidence alone may prefer what misses more.
+    """
+    begun = followed_anew(search)
+    if begun is search:
+        return search
+    first = begun.fits[search.chosen.hypothesis]
+    begun.begin()
+    search.interrupted = begun.interrupted
+    if not begun.accepted:
+        return search
+    if _is_far_unlikelier(begun, begun.chosen, first):
+        begun.accepted[:], begun.ledger[:] = search.accepted, search.ledger
+    return begun
+
+
+def _is_far_unlikelier(search: Search, found: Fit, other: Fit) -> bool:
+    """Return whether a fit misses more than another one does, and not for how forms of laws are."""
+    form = AS_GOOD * explained(search.baseline, other, other.in_noise)
+    return unlikeliness_of(search, found) > unlikeliness_of(search, other) + TIED + form
