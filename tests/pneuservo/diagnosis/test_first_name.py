@@ -38,3 +38,35 @@ def test_another_first_name_stands_unless_it_makes_recordings_far_unlikelier(
         lambda search, found: unlikeliness if found is fits["other"] else 0.0,
     )
     assert first_name._begun_anew(search).accepted == [kept]
+
+
+class Begun(SimpleNamespace):
+    """A search that finds a name at once: a guess, and another one where it is sure."""
+
+    def begin(self):
+        self.interrupted = self.sure == "interrupted"
+        self.accepted[:] = [] if self.interrupted else [self.sure]
+
+
+@pytest.mark.parametrize(
+    ("sure", "searched", "named"),
+    [
+        ("a guess", 1, ["a guess"]),
+        ("another", 2, ["searched without guessing"]),
+        ("interrupted", 1, ["a guess"]),
+    ],
+)
+def test_a_guess_is_the_first_name_where_a_search_that_is_sure_says_so(
+    monkeypatch, sure, searched, named
+):
+    asked = []
+
+    def read(search, guess):
+        asked.append(guess)
+        name = "a guess" if guess else "searched without guessing"
+        return Begun(accepted=[name], guessed=guess, sure=sure, interrupted=False)
+
+    monkeypatch.setattr(first_name, "_as_read", read)
+    monkeypatch.setattr(first_name, "followed_anew", lambda search: search)
+    assert first_name.with_first_name(None).accepted == named
+    assert asked == [True, False][:searched]
