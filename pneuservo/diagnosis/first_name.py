@@ -32,15 +32,10 @@ def with_first_name(search: Search) -> Search:
     if first.interrupted or not first.accepted:
         return first
     try:
-        if not first.guessed:
-            return _begun_anew(first)
-        guess = list(first.accepted)
-        sure = followed_anew(first)
-        sure.begin()
-        if sure.interrupted and not sure.accepted:
-            sure.accepted[:] = guess
-        if sure.interrupted or sure.accepted == guess:
-            return sure
+        guess = list(first.accepted) if first.guessed else None
+        found = _begun_anew(first)
+        if found.interrupted or guess in (None, found.accepted):
+            return found
         first = _as_read(search, guess=False)
         return _begun_anew(first)
     except KeyboardInterrupt:
@@ -96,21 +91,22 @@ def _begun(search: Search, reading: Reading, guess: bool) -> Search:
 
 
 def _begun_anew(search: Search) -> Search:
-    """Return a search begun again in recordings followed with the first name, where they are.
+    """Return a search begun again in recordings followed with the first name, or to be sure of it.
 
     Another name than the first must not make them far unlikelier than that does there: what is
     missed slowly has few samples to be judged by, and evidence alone may prefer what misses more.
     """
     begun = followed_anew(search)
-    if begun is search:
+    if begun is search and not search.guessed:
         return search
-    first = begun.fits[search.chosen.hypothesis]
+    first, named, told = begun.fits[search.chosen.hypothesis], [*search.accepted], [*search.ledger]
     begun.begin()
     search.interrupted = begun.interrupted
     if not begun.accepted:
+        search.accepted[:], search.ledger[:] = named, told
         return search
-    if _is_far_unlikelier(begun, begun.chosen, first):
-        begun.accepted[:], begun.ledger[:] = search.accepted, search.ledger
+    if begun is not search and _is_far_unlikelier(begun, begun.chosen, first):
+        begun.accepted[:], begun.ledger[:] = named, told
     return begun
 
 

@@ -25,6 +25,7 @@ def test_another_first_name_stands_unless_it_makes_recordings_far_unlikelier(
             ledger=[name],
             chosen=fits[name],
             interrupted=False,
+            guessed=False,
             begin=lambda: None,
         )
         for name in ("other", "first")
@@ -41,11 +42,16 @@ def test_another_first_name_stands_unless_it_makes_recordings_far_unlikelier(
 
 
 class Begun(SimpleNamespace):
-    """A search that finds a name at once: a guess, and another one where it is sure."""
+    """A search that has a guess, and finds another name, or nothing, where it is sure."""
+
+    @property
+    def chosen(self):
+        return SimpleNamespace(hypothesis="a guess")
 
     def begin(self):
         self.interrupted = self.sure == "interrupted"
         self.accepted[:] = [] if self.interrupted else [self.sure]
+        self.guessed = False
 
 
 @pytest.mark.parametrize(
@@ -64,7 +70,14 @@ def test_a_guess_is_the_first_name_where_a_search_that_is_sure_says_so(
     def read(search, guess):
         asked.append(guess)
         name = "a guess" if guess else "searched without guessing"
-        return Begun(accepted=[name], guessed=guess, sure=sure, interrupted=False)
+        return Begun(
+            accepted=[name],
+            ledger=[],
+            fits={"a guess": None},
+            guessed=guess,
+            sure=sure,
+            interrupted=False,
+        )
 
     monkeypatch.setattr(first_name, "_as_read", read)
     monkeypatch.setattr(first_name, "followed_anew", lambda search: search)
