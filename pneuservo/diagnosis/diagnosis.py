@@ -301,7 +301,8 @@ def _not_borne_out(
     names = [name for name in search.accepted if name in CATALOGUE]
     if not search.model.tabulates or not names or not leaves_noise(search.cases, search.chosen):
         return None
-    times = times_missed(held_back, before, after)
+    used = {channel: search.chosen.rms_of(channel) for channel in search.chosen.effective}
+    times = times_missed(held_back, before, after, used)
     if not times or any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
         return None
     words = (
