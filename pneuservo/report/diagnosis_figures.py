@@ -71,7 +71,7 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
             f"{case.recording.title or case.recording.name} ({role})",
             draw(
                 _curves, diagnosis, case, (before, after), index,
-                size=(9.0, 4.8), shape=(2, 1), ratios=(2.0, 1.0),
+                size=(9.0, 5.2), shape=(2, 1), ratios=(1.2, 1.0),
             ),
         )
         for role, index, case, before, after in shown
@@ -171,6 +171,8 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
         reach = max(6.0 * noise, 1.1 * float(np.nanquantile(np.abs(residual), 0.999)))
         below.set_ylim(-reach, reach)
     below.axhspan(-2.0 * noise, 2.0 * noise, color="#bbbbbb", alpha=0.6, label="noise, ±2 rms")
+    if len(time[window]) == len(time):
+        below.set_xlim(above.get_xlim())
     above.set_ylabel(f"{name} [{unit}]")
     below.set_ylabel(f"left over [{unit}]")
     below.set_xlabel("time [s]")
@@ -206,7 +208,7 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
             ha="center",
             va="center",
             color=ink,
-            fontsize=9 if len(chain) < 6 else 7,
+            fontsize=9 if len(chain) < 8 else 7,
         )
         if place:
             axes.annotate(
@@ -246,15 +248,18 @@ def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None
     if len(search.accepted) > 1:
         rows.append((" + ".join(search.accepted), search.chosen.rms, REPAIRED))
     places = np.arange(len(rows))[::-1]
-    axes.barh(places, [rms * scale for _, rms, _ in rows], color=[c for *_, c in rows], height=0.7)
-    axes.axvline(search.noise_rms * scale, color=MEASURED, lw=1.0, ls="--", label="noise")
+    # No bars: on an axis without zero their lengths would mean nothing.
+    left, colours = [rms * scale for _, rms, _ in rows], [colour for *_, colour in rows]
+    noise = search.noise_rms * scale
+    axes.hlines(places, noise, left, color=colours, lw=2.0)
+    axes.scatter(left, places, color=colours, s=60, zorder=3)
+    axes.axvline(noise, color=MEASURED, lw=1.0, ls="--", label="noise")
     axes.set_yticks(places, [name for name, *_ in rows])
-    widest = max(rms for _, rms, _ in rows)
-    if widest < _CLOSE * search.noise_rms:
-        # So close together the marks of a logarithmic axis would lie on top of each other.
-        axes.set_xlim(left=0.95 * scale * min(search.noise_rms, *(rms for _, rms, _ in rows)))
-    else:
+    if max(left) >= _CLOSE * noise:
+        # Closer together the marks of a logarithmic axis would lie on top of each other.
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_ylim(-0.6, places[0] + 0.6)
     axes.set_xlabel(f"left over, root mean square [{unit}]")
     axes.grid(axis="y", visible=False)
     axes.legend(loc="lower right")
