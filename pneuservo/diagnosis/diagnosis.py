@@ -250,7 +250,7 @@ def diagnose(
             before = kept_out.predicted(search.baseline)
             after = kept_out.predicted(repaired, table)
             if unexplained is None and misfit is None:
-                misfit = _not_borne_out(search, before, after)
+                misfit = _not_borne_out(search, kept_out.cases, before, after)
     return Diagnosis(
         chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit, jobs
     )
@@ -290,7 +290,9 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
     return None, misfit
 
 
-def _not_borne_out(search: Search, before: Fit, after: Fit) -> Misfit | None:
+def _not_borne_out(
+    search: Search, held_back: Sequence[Case], before: Fit, after: Fit
+) -> Misfit | None:
     """Return that names which leave noise of what was used do not hold elsewhere, if so.
 
     Where they leave more than noise of what was used, a second effect may be what is missing, and
@@ -299,7 +301,8 @@ def _not_borne_out(search: Search, before: Fit, after: Fit) -> Misfit | None:
     names = [name for name in search.accepted if name in CATALOGUE]
     if not search.model.tabulates or not names or not leaves_noise(search.cases, search.chosen):
         return None
-    times = times_missed(search.chosen, before, after)
+    used = {channel: search.chosen.rms_of(channel) for channel in search.chosen.effective}
+    times = times_missed(held_back, before, after, used)
     if not times or any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
         return None
     words = (

@@ -1,11 +1,11 @@
 """What was found, asked of recordings that were held back: nothing shared is fitted to them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_held_back
 from pneuservo.diagnosis.judge import LEAST_GAIN
@@ -123,26 +123,32 @@ class HeldBack:
         return float(np.sum(change**2)) > SHOWS and explained(without, with_it) < -by
 
 
-def times_missed(used: Fit, before: Fit, after: Fit) -> float:
+def times_missed(
+    cases: Sequence[Case], before: Fit, after: Fit, used: Mapping[str, float]
+) -> float:
     """Return how many times its noise a law misses what was held back, if it is refuted by that.
 
     Parameters
     ----------
-    used : Fit
-        What was found in what was used.
+    cases : sequence of Case
+        What was held back.
     before, after : Fit
-        Prediction of what was held back without and with what was found.
+        Their prediction without and with what was found.
+    used : mapping of str to float
+        What that leaves of each channel of what was used, in noise.
 
     Returns
     -------
     float
-        Of the recorded channel that is missed most, but for the displacement; 0 where all are
-        followed, or as well as a law of somewhat another form would.
+        Of the channel that is missed most, but for the displacement; 0 where all are followed, or
+        as well as a law of somewhat another form would.
     """
     worst = 0.0
-    for channel in set(after.effective) & set(used.effective) - after.known - {_PLACE}:
-        noise, without, left = (found.rms_of(channel) for found in (used, before, after))
-        there = max(without**2 - noise**2, 0.0)
+    for case, first, second in zip(cases, before.residuals, after.residuals, strict=True):
+        if not case.recorded or case.channel == _PLACE or case.channel not in used:
+            continue
+        left, noise = rms([second]), used[case.channel]
+        there = max(rms([first]) ** 2 - noise**2, 0.0)
         if left > NOT_BORNE_OUT * noise and left**2 - noise**2 > NOT_ITS_FORM * there:
             worst = max(worst, left)
     return worst

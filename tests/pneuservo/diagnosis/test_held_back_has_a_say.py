@@ -3,6 +3,7 @@
 import dataclasses
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from servo_recordings import recorded
 
@@ -83,17 +84,13 @@ def test_without_recordings_held_back_nothing_is_refuted(cases, search):
         ("pressure_a", 9.0, 1.9, 0.0),  # as another form of a law leaves
         ("displacement", 7.5, 7.5, 0.0),  # where a stop is, what was used need not have told
         ("pressure_b", 7.5, 7.5, 0.0),  # of which nothing was used
-        ("friction at rest", 7.5, 7.5, 0.0),  # which nobody recorded
     ],
 )
 def test_how_many_times_its_noise_a_law_misses_what_was_held_back(channel, before, after, missed):
-    def leaving(sizes):
-        known = frozenset({"friction at rest"})
-        return SimpleNamespace(effective=sizes, known=known, rms_of=sizes.__getitem__)
-
-    used = leaving({"pressure_a": 1.06, "displacement": 1.0, "friction at rest": 1.0})
-    fits = [leaving({channel: size}) for size in (before, after)]
-    assert held_back.times_missed(used, *fits) == pytest.approx(missed)
+    case = SimpleNamespace(recorded=True, channel=channel)
+    left = [SimpleNamespace(residuals=[np.full(10, size)]) for size in (before, after)]
+    used = {"pressure_a": 1.06, "displacement": 1.0}
+    assert held_back.times_missed([case], *left, used) == pytest.approx(missed)
 
 
 def test_a_law_that_does_not_hold_elsewhere_stands_in_for_what_has_no_name():
