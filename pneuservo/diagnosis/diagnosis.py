@@ -301,8 +301,7 @@ def _not_borne_out(
     names = [name for name in search.accepted if name in CATALOGUE]
     if not search.model.tabulates or not names or not leaves_noise(search.cases, search.chosen):
         return None
-    used = {channel: search.chosen.rms_of(channel) for channel in search.chosen.effective}
-    times = times_missed(held_back, before, after, used)
+    times = times_missed(held_back, before, after)
     if not times or any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
         return None
     words = (
