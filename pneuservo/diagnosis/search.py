@@ -70,6 +70,8 @@ class Search(Rivals):
         self.ledger.clear()
         self.may_guess, self.guessed = guess, False
         self._add(1)
+        # What is looked for later, from the baseline again or not, is no guess.
+        self.may_guess = False
 
     def run(self) -> None:
         """Search, and keep what has been found when the user interrupts it.

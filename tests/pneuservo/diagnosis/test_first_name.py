@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from pneuservo.diagnosis import first_name
+from pneuservo.diagnosis.search import Search
 
 
 @pytest.mark.parametrize(
@@ -83,3 +84,24 @@ def test_a_guess_is_the_first_name_where_a_search_that_is_sure_says_so(
     monkeypatch.setattr(first_name, "followed_anew", lambda search: search)
     assert first_name.with_first_name(None).accepted == named
     assert asked == [True, False][:searched]
+
+
+class Guessing(Search):
+    """A search whose parameters stay strained with whatever it finds."""
+
+    def _add(self, most):
+        self.guessed = self.may_guess
+        self.asked = [*getattr(self, "asked", []), self.may_guess]
+        self.accepted.extend(self.found)
+
+
+@pytest.mark.parametrize(
+    ("found", "asked", "guessed"), [(["a guess"], [True], True), ([], [True, False], False)]
+)
+def test_only_the_first_name_may_be_a_guess(found, asked, guessed):
+    search = Guessing(None, [])
+    search.found = found
+    search.begin(guess=True)
+    assert search.asked == asked
+    assert search.guessed is guessed
+    assert not search.may_guess
