@@ -40,9 +40,9 @@ def plot_summary(verification: "Verification", axes: Sequence[Any]) -> Sequence[
 
 def plot_gains(verification: "Verification", axis: Any) -> Any:
     """Draw the gain of every stage over frequency, netlist and model; return the axis."""
-    for number, (stage, gain) in enumerate(verification.netlist_response.items()):
-        colour = f"C{number % 10}"
-        axis.semilogx(verification.frequency, _decibel(gain), colour, label=stage)
+    for stage, colour in _colours(verification).items():
+        gain = verification.netlist_response[stage]
+        axis.semilogx(verification.frequency, _decibel(gain), color=colour, label=stage)
         axis.semilogx(verification.frequency, _decibel(verification.model_response[stage]), "k:")
     axis.plot([], [], "k:", label="behavioural model")
     # Room for the legend above the curves.
@@ -55,14 +55,12 @@ def plot_response_deviations(verification: "Verification", axis: Any) -> Any:
     """Draw the deviations of every stage over frequency with their limits; return the axis."""
     from analog_card.verification import BAND, GAIN_LIMIT, PHASE_LIMIT
 
-    for number, (stage, gain) in enumerate(verification.netlist_response.items()):
-        colour = f"C{number % 10}"
-        ratio = gain / verification.model_response[stage]
-        axis.loglog(
-            verification.frequency, np.maximum(np.abs(_decibel(ratio)), _LEAST_DECIBEL), colour
-        )
+    for stage, colour in _colours(verification).items():
+        ratio = verification.netlist_response[stage] / verification.model_response[stage]
+        decibel = np.maximum(np.abs(_decibel(ratio)), _LEAST_DECIBEL)
+        axis.loglog(verification.frequency, decibel, color=colour)
         phase = np.maximum(np.abs(np.angle(ratio, deg=True)), _LEAST_DEGREE)
-        axis.loglog(verification.frequency, phase, colour, linestyle="--")
+        axis.loglog(verification.frequency, phase, color=colour, linestyle="--")
     axis.plot([], [], "k", label="gain [dB]")
     axis.plot([], [], "k--", label="phase [degree]")
     for limit, style, name in ((GAIN_LIMIT, "-", "gain"), (PHASE_LIMIT, "--", "phase")):
@@ -70,6 +68,15 @@ def plot_response_deviations(verification: "Verification", axis: Any) -> Any:
         axis.text(BAND[0] * 1.2, limit * 1.2, f"limit, {name}", color="grey", size="small")
     axis.set_ylim(top=10)
     return _labelled(axis, "frequency [Hz]", "netlist against model", place="center left")
+
+
+def _colours(verification: "Verification") -> dict[str, tuple[float, ...]]:
+    """Return a colour of its own for every stage; the default cycle repeats after ten."""
+    from matplotlib import colormaps
+
+    stages = list(verification.netlist_response)
+    shades = colormaps["turbo"](np.linspace(0.05, 0.95, len(stages)))
+    return dict(zip(stages, map(tuple, shades), strict=True))
 
 
 def plot_transient(case: "TransientComparison", axis: Any) -> Any:
