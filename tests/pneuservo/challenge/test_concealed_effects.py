@@ -107,6 +107,18 @@ def test_a_wrong_parameter_is_swallowed_by_that_parameter(truth, trials):
     assert left[0] < 2.0 < VISIBLE / 2.0 < left[1]
 
 
+def test_a_zero_that_is_off_shows_less_than_starts_far_away_make_of_it(truth, trials):
+    # A millimetre of it is as much of the dead volumes, once segments start a millimetre away.
+    trial = trials["multilevel"]
+    form = CONCEALED["sensor.position-offset"].forms[0]
+    made = perform(form.apply(truth, 1e-3), trial)
+    seen = signature(truth, [trial], [made], QUIET)
+    wide = {"chamber.a.dead_volume": math.inf, "chamber.b.dead_volume": math.inf}
+    found = sensitivity(truth, [trial], [made], QUIET, {**nuisances(RIG), **wide})
+    _, linear = found.absorbing(seen, np.zeros(len(found.keys)))
+    assert distance(found, seen, truth, [trial], [made], QUIET) < VISIBLE < 0.5 * linear
+
+
 def test_retuning_hides_what_it_can(truth, trials):
     scene = Scene(truth, QUIET, RIG)
     effect = CONCEALED["friction.pressure"]
