@@ -10,6 +10,8 @@ from analog_card.quantities import unit_factor
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest
 
+_ONE = "1"
+"""How the unit of a pure number is written."""
 # What is offered in messages, by SI unit: the kind of quantity and how people write its units.
 _KINDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "s": ("a time", ("s", "ms", "us")),
@@ -22,7 +24,7 @@ _KINDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "V": ("a voltage", ("V", "mV")),
     "N": ("a force", ("N", "kN", "kgf", "lbf")),
     "kg": ("a mass", ("kg", "g")),
-    "": ("a pure number", ("percent",)),
+    "": ("a pure number", (_ONE, "percent")),
 }
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 _SYMBOLS = re.compile(r"[A-Za-z°µμΩ%][A-Za-z0-9_°µμΩ²³%./*^() -]{0,39}")
@@ -78,10 +80,12 @@ def conversion(text: str, unit: str, where: str) -> Conversion:
     Conversion(scale=0.001, offset=0.0, gauge=None)
     >>> conversion("bar gauge", "Pa", "step.toml: [channels] pressure_a").gauge
     True
+    >>> conversion("1", "", "step.toml: [channels] spool").scale
+    1.0
     """
     symbol, gauge = _gauge_or_absolute(text.strip()) if unit == "Pa" else (text.strip(), None)
     symbol = _SQUARE_OR_CUBE.sub(r"**\1", symbol)
-    if symbol == unit:
+    if symbol in (unit, unit or _ONE):
         return Conversion(1.0, 0.0, gauge)
     kind, examples = _KINDS.get(unit, (f"a quantity in {unit}", (unit,)))
     accepted = f"{kind} is needed, for example in {', '.join(examples)}"

@@ -39,6 +39,23 @@ def card(**changes: str | None) -> str:
     return "[card]\n" + "".join(f"{k} = {v}\n" for k, v in figures.items() if v is not None)
 
 
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("velocity", "m/s"),
+        ("acceleration", "m/s2"),
+        ("temperature_a", "K"),
+        ("valve_voltage", "V"),
+        ("spool", "1"),
+        ("force", "N"),
+    ],
+)
+def test_canonical_units_may_be_written_out(save, name, unit):
+    entry = f'{CHANNELS}{name} = {{ column = "p", unit = "{unit}" }}\n'
+    recording = read_recording(save(TABLE, sidecar(channels=entry)))
+    assert recording.channels[name][:3].tolist() == [0.0, 0.1, 0.2]
+
+
 def test_everything_in_a_sidecar_arrives_in_si(save):
     recording = read_recording(
         save(
