@@ -8,10 +8,12 @@ from scipy.signal import lfilter
 
 from pneuservo.diagnosis.models.servo.feed import AT_REST
 from pneuservo.diagnosis.models.servo.misfit import misfit_of
+from pneuservo.rigs import load_rig
 
 SAMPLES = 10000
 TIME = np.arange(SAMPLES) * 1e-3
 CHANNELS = ("displacement", "pressure_a", "pressure_b", "supply_pressure")
+RIG = load_rig("single-axis")
 SEEDS = range(5)
 
 
@@ -19,7 +21,28 @@ def line(frequency, size=1.0):
     return size * np.sin(2.0 * np.pi * frequency * TIME + 0.3)
 
 
-def misfit(seed, adds, command=0.0, at_rest=None, recordings=2, samples=SAMPLES):
+def feed_of(voltage, moments_of_rest=None, displacement_noise=1e-6):
+    """Return a feed of a piston in the middle, both chambers at 4 bar."""
+    samples = len(voltage)
+    return SimpleNamespace(
+        voltage=voltage,
+        interval=1e-3,
+        moments_of_rest=moments_of_rest,
+        pressures=np.full((2, samples), 4e5),
+        motion=np.full((3, samples), 0.5 * RIG["piston.stroke"]),
+        noise={"displacement": displacement_noise, "pressure_a": 200.0, "pressure_b": 200.0},
+    )
+
+
+def case_of(feed, channel, usable, recorded=True):
+    return SimpleNamespace(
+        inputs={"feed": feed}, recorded=recorded, channel=channel, usable=usable, rig=RIG
+    )
+
+
+def misfit(
+    seed, adds, command=0.0, at_rest=None, recordings=2, samples=SAMPLES, displacement_noise=1e-6
+):
     """Return what is found in white noise with something added to some channels."""
     rng = np.random.default_rng(seed)
     cases, residuals = [], []
@@ -27,19 +50,12 @@ def misfit(seed, adds, command=0.0, at_rest=None, recordings=2, samples=SAMPLES)
         voltage = (command + 0.01 * rng.standard_normal(SAMPLES))[:samples]
         # Ten rests, each judged at three moments.
         moments = np.full(samples, 3.0)
-        feed = SimpleNamespace(voltage=voltage, interval=1e-3, moments_of_rest=moments)
-        inputs = {"feed": feed}
+        feed = feed_of(voltage, moments, displacement_noise)
         for channel in CHANNELS:
-            usable = np.ones(samples, dtype=bool)
-            cases.append(
-                SimpleNamespace(inputs=inputs, recorded=True, channel=channel, usable=usable)
-            )
+            cases.append(case_of(feed, channel, np.ones(samples, dtype=bool)))
             residuals.append((rng.standard_normal(SAMPLES) + adds.get(channel, 0.0))[:samples])
         if at_rest is not None:
-            usable = np.arange(samples) < 30
-            cases.append(
-                SimpleNamespace(inputs=inputs, recorded=False, channel=AT_REST, usable=usable)
-            )
+            cases.append(case_of(feed, AT_REST, np.arange(samples) < 30, recorded=False))
             residuals.append(at_rest / np.sqrt(3.0) * np.ones(30))
     return misfit_of(cases, residuals)
 
@@ -91,12 +107,9 @@ def test_neither_is_how_a_periodic_command_is_bent(multiple):
 
 def test_a_channel_without_anything_left_says_nothing():
     rng = np.random.default_rng(1)
-    feed = SimpleNamespace(voltage=rng.standard_normal(SAMPLES), interval=1e-3)
+    feed = feed_of(rng.standard_normal(SAMPLES))
     usable = np.ones(SAMPLES, dtype=bool)
-    cases = [
-        SimpleNamespace(inputs={"feed": feed}, recorded=True, channel=channel, usable=usable)
-        for channel in ("pressure_a", "pressure_b")
-    ]
+    cases = [case_of(feed, channel, usable) for channel in ("pressure_a", "pressure_b")]
     assert misfit_of(cases, [np.zeros(SAMPLES), rng.standard_normal(SAMPLES)]) is None
 
 
@@ -114,6 +127,18 @@ def test_pressures_that_swing_together_are_pushed_by_something(seed, size):
     found = misfit(seed, {"pressure_a": slow, "pressure_b": -slow, "displacement": slow})
     assert found.block == "load"
     assert "pressure a and the pressure b swing" in found.words
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(("displacement_noise", "told"), [(2e-6, True), (2e-5, False)])
+def test_pressures_swing_with_a_motion_that_is_lost_in_its_noise(seed, displacement_noise, told):
+    # 20 um raise a chamber's pressure by 600 Pa, three times its noise.
+    drive = np.random.default_rng(400 + seed).standard_normal(SAMPLES)
+    slow = lfilter([1.0], [1.0, -0.98], drive)
+    slow *= 0.5 / np.std(slow)
+    adds = {"pressure_a": slow, "pressure_b": -slow}
+    found = misfit(seed, adds, displacement_noise=displacement_noise)
+    assert (found is not None) == told
 
 
 @pytest.mark.parametrize("seed", SEEDS)

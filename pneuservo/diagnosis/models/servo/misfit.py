@@ -8,6 +8,8 @@ import numpy as np
 from pneuservo.diagnosis.hum import MAINS
 from pneuservo.diagnosis.models.model import Array, Case, Misfit
 from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES, SUPPLY, Feed
+from pneuservo.diagnosis.models.servo.spread import rise_per_metre
+from pneuservo.rigs import Rig
 
 _LINE = 300.0
 """A line of so many times the power beside it is taken for interference: in recordings of another
@@ -51,7 +53,7 @@ _TOGETHER = 0.5
 _SEGMENT, _FEWEST = 1.0, 5
 """Swings show in segments as long as this [s], of as many at least."""
 _STANDS_OUT = 2.5
-"""Of the median power density; with some twenty segments noise alone does not reach it."""
+"""Of the power density of noise; with some twenty segments noise alone does not reach it."""
 
 
 @dataclass(frozen=True)
@@ -66,11 +68,15 @@ class _Left:
         [V].
     interval : float
         Of the samples [s].
+    moved_by_noise : dict of str to float
+        What a piston that moves by the noise of the displacement makes of each pressure, in the
+        noise of that [-].
     """
 
     channels: dict[str, Array]
     command: Array
     interval: float
+    moved_by_noise: dict[str, float]
 
 
 def misfit_of(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | None:
@@ -93,7 +99,8 @@ def misfit_of(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | Non
     Four things that innovations of the right model never show: a line in the reading of one
     pressure that neither the command nor another channel has; a piston that stays at rest under
     more than friction can hold; swings of a pressure as strong as a tenth of its noise that
-    another channel shares; and swings of the supply. Of a displacement alone nothing is concluded:
+    another channel shares, beyond what a motion makes that is known no better than its noise; and
+    swings of the supply. Of a displacement alone nothing is concluded:
     while a piston sticks and slips, friction that gives way by some micrometres is left in it.
     """
     lefts = _lefts(cases, residuals)
@@ -105,12 +112,27 @@ def _lefts(cases: Sequence[Case], residuals: Sequence[Array]) -> list[_Left]:
     lefts: dict[int, _Left] = {}
     for case, residual in zip(cases, residuals, strict=True):
         fed = case.inputs["feed"]
-        left = lefts.setdefault(id(fed), _Left({}, fed.voltage, fed.interval))
+        left = lefts.get(id(fed))
+        if left is None:
+            moved = _moved_by_noise(fed, case.rig)
+            left = lefts[id(fed)] = _Left({}, fed.voltage, fed.interval, moved)
         if case.recorded:
             whole = np.zeros(len(case.usable))
             whole[case.usable] = residual
             left.channels[case.channel] = whole
     return list(lefts.values())
+
+
+def _moved_by_noise(fed: Feed, rig: Rig) -> dict[str, float]:
+    from pneuservo.plant.from_rig import single_axis
+
+    moved = fed.noise["displacement"]
+    rises = rise_per_metre(fed.pressures, fed.motion[0], single_axis(rig))
+    return {
+        name: float(np.sqrt(np.mean(rise**2))) * moved / fed.noise[name]
+        for name, rise in zip(PRESSURES, rises, strict=True)
+        if name in fed.noise
+    }
 
 
 def _line(lefts: Sequence[_Left]) -> Misfit | None:
@@ -285,7 +307,8 @@ def _swings(left: _Left, channel: str) -> _Swings | None:
         return None
     powers = _density(left.channels[channel], left.channels[channel], segment)
     frequencies = np.arange(len(powers)) / _SEGMENT
-    return _Swings(powers, _standing_out(powers) * (frequencies < _FASTEST))
+    stands_out = _standing_out(powers, left.moved_by_noise.get(channel, 0.0))
+    return _Swings(powers, stands_out * (frequencies < _FASTEST))
 
 
 def _is_shared(left: _Left, channel: str, swings: _Swings) -> bool:
@@ -296,7 +319,8 @@ def _is_shared(left: _Left, channel: str, swings: _Swings) -> bool:
         if name == channel:
             continue
         there = _density(other, other, segment)
-        if np.sum(_standing_out(there)) * _ONE_TRANSDUCER <= total:
+        stands_out = _standing_out(there, left.moved_by_noise.get(name, 0.0))
+        if np.sum(stands_out) * _ONE_TRANSDUCER <= total:
             continue
         coherence = _density(own, other, segment) ** 2 / np.maximum(swings.powers * there, 1e-300)
         if float(np.sum(coherence * swings.stands_out)) >= _TOGETHER * total:
@@ -312,7 +336,8 @@ def _density(one: Array, other: Array, segment: int) -> Array:
     return np.abs(found)
 
 
-def _standing_out(powers: Array) -> Array:
-    """Return by how much powers exceed what noise reaches, in those of the noise."""
+def _standing_out(powers: Array, moved_by_noise: float) -> Array:
+    """Return by how much powers exceed what noise reaches, in those of the channel's noise."""
     floor = float(np.median(powers))
-    return np.clip(powers / floor - _STANDS_OUT, 0.0, None) if floor > 0.0 else 0.0 * powers
+    reached = _STANDS_OUT * (1.0 + moved_by_noise**2)
+    return np.clip(powers / floor - reached, 0.0, None) if floor > 0.0 else 0.0 * powers

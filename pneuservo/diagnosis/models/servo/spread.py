@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.command import followed_by_spool
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
+from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.plant.valve import Valve
 from pneuservo.rigs import Rig
 
@@ -65,20 +66,59 @@ def spread_of_pressures(
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     memory = np.where(held, HELD_MEMORY, MEMORY)
     slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME
+    # A chamber half filled, whose volume changes at a speed that is not quite known.
+    halfway = np.full((2, 1), 0.5 * plant.supply_pressure)
+    squeezed = rise_per_metre(halfway, np.array([0.5 * piston.stroke]), plant)
     found = []
-    for area, dead, side, name in (
-        (plant.valve.area_s_a, plant.dead_volume_a, piston.area_a, "pressure_a"),
-        (plant.valve.area_s_b, plant.dead_volume_b, piston.area_b, "pressure_b"),
+    for area, dead, side, name, rise in (
+        (plant.valve.area_s_a, plant.dead_volume_a, piston.area_a, "pressure_a", squeezed[0]),
+        (plant.valve.area_s_b, plant.dead_volume_b, piston.area_b, "pressure_b", squeezed[1]),
     ):
         volume = dead + 0.5 * side * piston.stroke
         rate = plant.polytropic_index * gas.gas_constant * gas.temperature * flow * area / volume
         found.append(noise.get(name, 0.0) ** 2 * slowly * steps / memory**2)
         found[-1] += (off**2 + unsure**2) * (rate * steps) ** 2
-        # A chamber half filled, whose volume changes at a speed that is not quite known.
-        drawn_in = 0.5 * plant.polytropic_index * plant.supply_pressure * side / volume
         # While it moves, the observer has a speed of its own.
-        found[-1] += held * (drawn_in * velocity_rms) ** 2 * steps * motion_memory
+        found[-1] += held * (rise * velocity_rms) ** 2 * steps * motion_memory
     return np.array(found)
+
+
+def rise_per_metre(pressures: Array, displacement: Array, plant: SingleAxis) -> Array:
+    """Return by how much a piston that moves into a closed chamber raises its pressure [Pa/m].
+
+    Parameters
+    ----------
+    pressures : (2, n) array
+        Of both chambers [Pa].
+    displacement : (n,) array
+        Where the piston is [m].
+    plant : SingleAxis
+        The servo.
+
+    Returns
+    -------
+    (2, n) array
+        n p A / V of each chamber, the derivative of p V^n = const.
+
+    Examples
+    --------
+    >>> from pneuservo.plant.from_rig import single_axis
+    >>> from pneuservo.rigs import load_rig
+    >>> plant = single_axis(load_rig("single-axis"))
+    >>> middle = np.array([0.5 * plant.piston.stroke])
+    >>> (1e-7 * rise_per_metre(np.full((2, 1), 4e5), middle, plant)).round(1).tolist()
+    [[3.0], [2.9]]
+    """
+    piston = plant.piston
+    area_a, area_b = piston.area_a, piston.area_b
+    volumes = np.array(
+        [
+            plant.dead_volume_a + area_a * displacement,
+            plant.dead_volume_b + area_b * (piston.stroke - displacement),
+        ]
+    )
+    areas = np.array([[area_a], [area_b]])
+    return np.asarray(plant.polytropic_index * pressures * areas / volumes)
 
 
 def shares_of_spool(time: Array, unseen: Array, reading: Array, noise: float, rig: Rig) -> Array:
