@@ -88,6 +88,21 @@ def test_a_line_in_one_reading_is_that_of_its_transducer(seed, channel, words):
     assert found.energy == pytest.approx(SAMPLES, rel=0.1)
 
 
+@pytest.mark.parametrize(("size", "found"), [(0.4, True), (0.05, False)])
+def test_it_may_be_weaker_in_one_of_the_recordings(size, found):
+    # Seen in the second at once; in the first with 400 and 6 times the power beside it.
+    rng = np.random.default_rng(1)
+    cases, residuals = [], []
+    for adds in (line(1.7, size), line(1.7, 2.0)):
+        feed = feed_of(0.01 * rng.standard_normal(SAMPLES))
+        for channel in CHANNELS:
+            cases.append(case_of(feed, channel, np.ones(SAMPLES, dtype=bool)))
+            here = adds if channel == "pressure_a" else 0.0
+            residuals.append(rng.standard_normal(SAMPLES) + here)
+    told = misfit_of(cases, residuals)
+    assert (told is not None and told.block == "sensor.pressure") == found
+
+
 @pytest.mark.parametrize("frequency", [50.0, 59.8, 150.0, 299.5])
 def test_the_mains_are_no_misfit(frequency):
     assert misfit(1, {"pressure_a": line(frequency)}) is None

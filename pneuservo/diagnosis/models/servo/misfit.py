@@ -13,7 +13,10 @@ from pneuservo.rigs import Rig
 
 _LINE = 300.0
 """A line of so many times the power beside it is taken for interference: in recordings of another
-simulator without any effect none but the mains' reached 20."""
+simulator without any effect none but the mains' reached 20 ..."""
+_AGAIN = 30.0
+"""... and so many times are enough at the same frequency in another recording: an observer follows
+a slow line where the piston rests."""
 _WIDE = 2
 """So many frequencies of a windowed transform to either side belong to a line ..."""
 _BESIDE = 20
@@ -146,7 +149,14 @@ def _line(lefts: Sequence[_Left]) -> Misfit | None:
 
 
 def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
-    frequency = _strongest(lefts[0].channels[channel], lefts[0].interval)
+    found = [_strongest(left.channels[channel], left.interval) for left in lefts]
+    strengths = [
+        _line_at(left.channels[channel], left.interval, at)[0]
+        for left, at in zip(lefts, found, strict=True)
+    ]
+    if max(strengths) < _LINE:
+        return None
+    frequency = found[int(np.argmax(strengths))]
     if any(abs(frequency - k * m) < _OFF_MAINS for m in MAINS for k in range(1, 10)):
         return None
     energy = 0.0
@@ -157,7 +167,7 @@ def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
             for name, other in left.channels.items()
             if name != channel
         ]
-        if strength < _LINE or _commanded(left, frequency):
+        if strength < _AGAIN or _commanded(left, frequency):
             return None
         if any(_ONE_TRANSDUCER * other > whole for other in others):
             return None
