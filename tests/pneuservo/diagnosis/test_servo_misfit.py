@@ -88,9 +88,9 @@ def test_a_line_in_one_reading_is_that_of_its_transducer(seed, channel, words):
     assert found.energy == pytest.approx(SAMPLES, rel=0.1)
 
 
-@pytest.mark.parametrize(("size", "found"), [(0.4, True), (0.05, False)])
+@pytest.mark.parametrize(("size", "found"), [(0.4, True), (0.0, False)])
 def test_it_may_be_weaker_in_one_of_the_recordings(size, found):
-    # Seen in the second at once; in the first with 400 and 6 times the power beside it.
+    # Seen in the second at once; in the first with 400 times the power beside it, or not at all.
     rng = np.random.default_rng(1)
     cases, residuals = [], []
     for adds in (line(1.7, size), line(1.7, 2.0)):
