@@ -6,10 +6,12 @@ _RIGS = ("seal-tester",)
 _BOTH = ("seal-tester", "single-axis")
 _SERVO = ("single-axis",)
 
-_LEAST_TRAVEL = 1e-7
+_LEAST_TRAVEL = 5e-7
 """Seals shear by 5 to 100 um (Tran and others 2012), contacts of steel by 2 to 5 um
 (Armstrong-Helouvry, Dupont, Canudas de Wit 1994) until friction is nearly whole: with an exponent
-of 3 nine tenths of it are there after 50 times the travel."""
+of 1 nine tenths of it are there after 2.3 times the travel, with 2 after 9 times. What is found
+below is the error of a motion that turns round between two samples: 0.14 um gained 128 in a
+recording of another simulator without any effect."""
 
 PRESSURE = Effect(
     id="friction.pressure",
