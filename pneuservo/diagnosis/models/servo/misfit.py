@@ -149,15 +149,10 @@ def _line(lefts: Sequence[_Left]) -> Misfit | None:
 
 
 def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
-    found = [_strongest(left.channels[channel], left.interval) for left in lefts]
-    strengths = [
-        _line_at(left.channels[channel], left.interval, at)[0]
-        for left, at in zip(lefts, found, strict=True)
-    ]
-    if max(strengths) < _LINE:
-        return None
-    frequency = found[int(np.argmax(strengths))]
-    if any(abs(frequency - k * m) < _OFF_MAINS for m in MAINS for k in range(1, 10)):
+    strength, frequency = max(_strongest_line(channel, left) for left in lefts)
+    if strength < _LINE or any(
+        abs(frequency - k * m) < _OFF_MAINS for m in MAINS for k in range(1, 10)
+    ):
         return None
     energy = 0.0
     for left in lefts:
@@ -179,6 +174,13 @@ def _line_in(channel: str, lefts: Sequence[_Left]) -> Misfit | None:
         "is folded down",
         energy,
     )
+
+
+def _strongest_line(channel: str, left: _Left) -> tuple[float, float]:
+    """Return how often the strongest line exceeds the power beside it, and its frequency [Hz]."""
+    samples = left.channels[channel]
+    frequency = _strongest(samples, left.interval)
+    return _line_at(samples, left.interval, frequency)[0], frequency
 
 
 def _strongest(samples: Array, interval: float) -> float:

@@ -66,15 +66,15 @@ def spread_of_pressures(
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     memory = np.where(held, HELD_MEMORY, MEMORY)
     slowly = steps + 2.0 * LIKELY_WANDER**2 * WANDER_TIME
+    middle, halfway = np.array([0.5 * piston.stroke]), np.full((2, 1), 0.5 * plant.supply_pressure)
+    volumes = _volumes(middle, plant)
     # A chamber half filled, whose volume changes at a speed that is not quite known.
-    halfway = np.full((2, 1), 0.5 * plant.supply_pressure)
-    squeezed = rise_per_metre(halfway, np.array([0.5 * piston.stroke]), plant)
+    rises = rise_per_metre(halfway, middle, plant)
     found = []
-    for area, dead, side, name, rise in (
-        (plant.valve.area_s_a, plant.dead_volume_a, piston.area_a, "pressure_a", squeezed[0]),
-        (plant.valve.area_s_b, plant.dead_volume_b, piston.area_b, "pressure_b", squeezed[1]),
+    for area, volume, rise, name in (
+        (plant.valve.area_s_a, volumes[0], rises[0], "pressure_a"),
+        (plant.valve.area_s_b, volumes[1], rises[1], "pressure_b"),
     ):
-        volume = dead + 0.5 * side * piston.stroke
         rate = plant.polytropic_index * gas.gas_constant * gas.temperature * flow * area / volume
         found.append(noise.get(name, 0.0) ** 2 * slowly * steps / memory**2)
         found[-1] += (off**2 + unsure**2) * (rate * steps) ** 2
@@ -109,15 +109,8 @@ def rise_per_metre(pressures: Array, displacement: Array, plant: SingleAxis) -> 
     >>> (1e-7 * rise_per_metre(np.full((2, 1), 4e5), middle, plant)).round(1).tolist()
     [[3.0], [2.9]]
     """
-    piston = plant.piston
-    area_a, area_b = piston.area_a, piston.area_b
-    volumes = np.array(
-        [
-            plant.dead_volume_a + area_a * displacement,
-            plant.dead_volume_b + area_b * (piston.stroke - displacement),
-        ]
-    )
-    areas = np.array([[area_a], [area_b]])
+    areas = np.array([[plant.piston.area_a], [plant.piston.area_b]])
+    volumes = _volumes(displacement, plant)
     return np.asarray(plant.polytropic_index * pressures * areas / volumes)
 
 
@@ -145,6 +138,17 @@ def shares_of_spool(time: Array, unseen: Array, reading: Array, noise: float, ri
 
     _, off = _unseen_opening(time, unseen, single_axis(rig).valve)
     return np.where(np.isfinite(reading), noise / np.hypot(noise, off), 0.0)
+
+
+def _volumes(displacement: Array, plant: SingleAxis) -> Array:
+    """Return the volumes of both chambers with the piston at some places [m^3]."""
+    piston = plant.piston
+    return np.array(
+        [
+            plant.dead_volume_a + piston.area_a * displacement,
+            plant.dead_volume_b + piston.area_b * (piston.stroke - displacement),
+        ]
+    )
 
 
 def _unseen_opening(time: Array, unseen: Array, valve: Valve) -> tuple[Array, Array]:
