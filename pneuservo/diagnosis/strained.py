@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.diagnosis.fit import INTERVAL, Fit, rms
 from pneuservo.diagnosis.fitting import at_nominal
+from pneuservo.diagnosis.judge import LEAST_DISTANCE
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.screen import LEAST_PROMISE, scores
 from pneuservo.diagnosis.signatures import signatures_of
@@ -40,6 +41,22 @@ def is_strained(base: Fit) -> bool:
         Of the baseline.
     """
     return bool(np.any(np.abs(base.distance) > STRAINED))
+
+
+def far_out(base: Fit) -> list[str]:
+    """Return the parameters that would be worth a name if nothing else had strained them.
+
+    Parameters
+    ----------
+    base : Fit
+        Of the baseline.
+
+    Returns
+    -------
+    list of str
+        As candidates, ``param.`` and their ids.
+    """
+    return [f"param.{n}" for n, away in _from_nominal(base).items() if away**2 > LEAST_DISTANCE]
 
 
 def out_of_tolerance(found: Fit) -> list[str]:

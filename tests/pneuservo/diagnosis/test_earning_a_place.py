@@ -353,9 +353,33 @@ def test_rivals_of_what_gained_more_than_it_promised_are_tried(reached, whole, t
     assert set(within_reach(base, promises, reached, "best")) == tried
 
 
+def moved(**tolerances):
+    """Return what a fit knows of parameters so many tolerances from nominal."""
+    return {
+        "tolerated": tuple(tolerances),
+        "distance": np.array(list(tolerances.values())),
+        "shared": tolerances,
+    }
+
+
+@pytest.mark.parametrize("away", [14.0, -14.0, 3.0])
+def test_a_parameter_far_out_is_fitted_whatever_others_reach(monkeypatch, away):
+    gains = {"friction.presliding": 795.0, "load.spring": 300.0, "param.friction": 217.0}
+    base = SimpleNamespace(gain=0.0, hypothesis=Hypothesis(), **moved(friction=away))
+    monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    monkeypatch.setattr(hypotheses, "is_strained", lambda fit: False)
+    tried = Hypotheses(SimpleNamespace(steady=True, effects=()), [])
+    tried.fits[Hypothesis()] = base
+    for member, gain in gains.items():
+        tried.fits[Hypothesis().adding(member)] = SimpleNamespace(gain=gain)
+    found = tried._best_fitted(base, list(gains), gains, lambda name, closer: False)
+    assert ("param.friction" in found) is (abs(away) > 5.0)
+
+
 @pytest.mark.parametrize("strained", [True, False])
 def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained):
-    base = SimpleNamespace(gain=0.0, strained=strained, hypothesis=Hypothesis())
+    base = SimpleNamespace(gain=0.0, strained=strained, hypothesis=Hypothesis(), **moved())
     name = "spool.amplitude-bandwidth"
     fits = {"param.load.mass": 40.0, name: 20.0}
     monkeypatch.setattr(hypotheses, "explained", gained)
