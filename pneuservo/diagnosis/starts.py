@@ -1,6 +1,6 @@
 """Where a fit begins."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from enum import Enum
 
 import numpy as np
@@ -46,17 +46,40 @@ def best_start(
         From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
-    if near is not None and begin is not Begin.NOMINAL:
-        # The parameters may have gone astray for want of the effect: their nominal values as well.
-        moved = _distinct([begun_at(start, near.shared, near.own) for start in starts])
-        starts += moved
-        if model.steady:
-            # A fit that keeps its sensitivities has to begin near enough.
-            alone = begin is Begin.ALONE
-            sized = [found for start in moved for found in _sized(start, near, hypothesis, alone)]
-            starts = sized if alone and sized else starts + sized
-            starts += _balanced(moved[0], near, hypothesis)
-    return least_of(starts)
+    if near is None or begin is Begin.NOMINAL:
+        return least_of(starts)
+    # The parameters may have gone astray for want of the effect: their nominal values as well.
+    moved = _distinct([begun_at(start, near.shared, near.own) for start in starts])
+    if not model.steady:
+        return least_of([*starts, *moved])
+    if begin is Begin.ALONE:
+        sized = [found for start in moved for found in _sized(start, near, hypothesis, alone=True)]
+        balanced = _balanced(moved[0], near, hypothesis)
+        return least_of([*(sized or [*_beside_found(starts, near), *moved]), *balanced])
+    return least_of(_near_enough(_beside_found(starts, near), moved, near, hypothesis))
+
+
+def _near_enough(
+    nominal: Sequence[Problem], moved: Sequence[Problem], near: Fit, hypothesis: Hypothesis
+) -> Iterator[Problem]:
+    """Yield starts near enough for a fit that keeps its sensitivities.
+
+    Sized ones are worked out from the run of the one before.
+    """
+    yield from nominal
+    for start in moved:
+        yield start
+        yield from _sized(start, near, hypothesis, alone=False)
+    yield from _balanced(moved[0], near, hypothesis)
+
+
+def _beside_found(starts: Sequence[Problem], near: Fit) -> list[Problem]:
+    """Return starts at nominal parameters, the effects of a similar fit as they were found.
+
+    Of three effects all combinations of starts would be a hundred runs and more.
+    """
+    found = {key: value for key, value in near.shared.items() if ":" in key}
+    return _distinct([begun_at(start, found, [{}] * len(start.own)) for start in starts])
 
 
 def _distinct(starts: Sequence[Problem]) -> list[Problem]:
@@ -73,17 +96,18 @@ def _distinct(starts: Sequence[Problem]) -> list[Problem]:
     return list(begun.values())
 
 
-def least_of(starts: Sequence[Problem]) -> Problem:
+def least_of(starts: Iterable[Problem]) -> Problem:
     """Return the problem that leaves the least where it begins.
 
     Parameters
     ----------
-    starts : sequence of Problem
+    starts : iterable of Problem
         They differ only in where they begin.
     """
     with np.errstate(all="ignore"):
-        costs = [_cost(start) for start in starts]
-    return starts[int(np.argsort(np.nan_to_num(costs, nan=np.inf))[0])]
+        costs, begun = zip(*((_cost(start), start) for start in starts), strict=True)
+    best: Problem = begun[int(np.argsort(np.nan_to_num(costs, nan=np.inf))[0])]
+    return best
 
 
 def _cost(start: Problem) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.plant.piston import Piston
-from pneuservo.plant.servo.compilation import compiled, compiled_apart
+from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled_whole
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.sensor_effects import SensorEffects
 from pneuservo.plant.servo.servo_effects import ServoEffects
@@ -233,5 +233,9 @@ def _is_of(which: int, table: Table) -> bool:
     return table.high != table.low and table.over == which
 
 
-def _gain(time: NDArray[np.float64], table: Table) -> NDArray[np.float64]:
-    return 1.0 + np.array([between_knots(moment, table) for moment in time])
+@compiled_whole
+def _gain(time, table):
+    gain = np.empty(time.size)
+    for k in range(time.size):
+        gain[k] = 1.0 + between_knots(time[k], table)
+    return gain

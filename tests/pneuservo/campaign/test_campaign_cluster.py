@@ -20,10 +20,13 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch, arguments):
 
 
 def test_a_killed_worker_loses_nothing(tmp_path, arguments, campaign, outcome):
+    import dask
     from distributed import Client, LocalCluster
 
     killed = []
     with (
+        # Who still talks to the killed one waits for no answer.
+        dask.config.set({"distributed.comm.timeouts.connect": "5s"}),
         LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
         ) as local,
