@@ -1,6 +1,6 @@
 """What recordings have called for so far, and what that leaves of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -16,7 +16,7 @@ from pneuservo.diagnosis.judge import DECISIVE, ByEvidence, Judge
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.diagnosis.noise import noise_floor, noise_level
 from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.effects import CATALOGUE, effect_by_id
 
@@ -57,10 +57,13 @@ class Accepted(Hypotheses):
         """Return the noise of the judged channel in each recording [SI].
 
         Where it was not stated it is the floor of the channel or of what the baseline leaves,
-        whichever is lower: what the baseline explains, a jump for example, is no noise.
+        whichever is lower: what the baseline explains, a jump for example, is no noise. Where what
+        is left is compared with noise to go on at all, nothing may be missed for a floor by chance
+        too high.
         """
+        estimate = noise_level if self.model.steady else noise_floor
         return [
-            _noise_of(case, residual)
+            _noise_of(case, residual, estimate)
             for case, residual in zip(self.cases, self.baseline.residuals, strict=True)
         ]
 
@@ -165,10 +168,10 @@ class Accepted(Hypotheses):
         self.ledger.append(Step(tuple(self.accepted), "", True, member, why=why))
 
 
-def _noise_of(case: Case, residual: Array) -> float:
+def _noise_of(case: Case, residual: Array, estimate: Callable[[Array, Array], float]) -> float:
     """Return the noise of the judged channel [unit of the case]."""
     if not case.recorded:
         return case.noise_rms
     stated = case.recording.noise_rms.get(case.channel, 0.0) / case.scale
-    floor = noise_floor(residual, case.recording.time[case.usable]) if not stated else 0.0
+    floor = estimate(residual, case.recording.time[case.usable]) if not stated else 0.0
     return stated or max(min(case.noise_rms, floor), case.resolution)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pneuservo.diagnosis.noise import effective_samples, noise_floor, surrogate
+from pneuservo.diagnosis.noise import effective_samples, noise_floor, noise_level, surrogate
 
 
 def autoregressive(coefficient, samples, seed):
@@ -21,6 +21,15 @@ def test_white_noise_is_recovered(seed):
     # overlap of windows and of Blackman's lobes counts: 900 independent values, 3.3 % of power,
     # 1.7 % of rms. The lowest of eight bands lies 1.4 of these below, 4 at most: -7 to +1.7 %.
     assert 0.93 * 0.3 < noise_floor(noise, time) < 1.02 * 0.3
+
+
+@pytest.mark.parametrize("samples", [500, 2000, 10_000])
+def test_white_noise_is_known_without_bias(samples):
+    rng, time = np.random.default_rng(samples), np.arange(samples) * 1e-3
+    found = [noise_level(rng.standard_normal(samples), time) ** 2 for _ in range(100)]
+    # The lowest of eight bands alone is too low by 31, 16 and 7 % of the power.
+    assert np.mean(found) == pytest.approx(1.0, abs=4.0 * np.std(found) / 10.0)
+    assert np.mean(found) == pytest.approx(1.0, abs=0.06)
 
 
 @pytest.mark.parametrize("rate", [10.0, 600.0])

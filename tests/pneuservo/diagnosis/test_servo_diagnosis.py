@@ -166,7 +166,7 @@ def test_a_supply_that_wanders_has_its_name():
     recordings = []
     for seed in range(2):
         rng = np.random.default_rng(seed)
-        walk = 0.002 * np.cumsum(rng.standard_normal(9))
+        walk = 0.003 * np.cumsum(rng.standard_normal(9))
         values = {f"v{k}": float(value) for k, value in enumerate(walk)}
         drift = {"of": float(supply), "low": 0.0, "high": 4.0, **values}
         wandering = dataclasses.replace(rig, effects={"unexplained.drift": drift})

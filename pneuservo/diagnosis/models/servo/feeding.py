@@ -9,7 +9,7 @@ from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, SUPPLY, A
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
 from pneuservo.diagnosis.models.servo.moved import moved_by
 from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
-from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.diagnosis.noise import noise_level
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
@@ -88,7 +88,7 @@ def _noise(recording: Recording, channel: str, rig: Rig) -> float:
     largest = {"displacement": rig["piston.stroke"], "spool": 1.0}.get(
         channel, rig["supply.pressure"]
     )
-    return max(noise_floor(recording[channel], recording.time), FINEST * largest)
+    return max(noise_level(recording[channel], recording.time), FINEST * largest)
 
 
 def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
