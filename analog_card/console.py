@@ -61,6 +61,33 @@ class Quantity(click.ParamType):
         return number
 
 
+class Count(click.IntRange):
+    """An option that takes a whole number within limits, and says which where it is none.
+
+    Parameters
+    ----------
+    min, max : int, optional
+        The limits, which are allowed themselves.
+    """
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return the number."""
+        try:
+            number = int(value)
+        except ValueError:
+            self.fail(f"{value!r} is not a whole number; allowed: {self._allowed}", param, ctx)
+        low, high = self.min, self.max
+        if (low is not None and number < low) or (high is not None and number > high):
+            self.fail(f"{number} is out of range; allowed: {self._allowed}", param, ctx)
+        return number
+
+    @property
+    def _allowed(self) -> str:
+        if self.max is None:
+            return f"{self.min} and more"
+        return f"{self.min} to {self.max}"
+
+
 @contextmanager
 def progress(total: int | None = None) -> Iterator[Any]:
     """Yield a function that names the step now running, in one line on standard error.

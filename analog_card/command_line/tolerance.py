@@ -9,7 +9,7 @@ import click
 from analog_card.behaviour_elements import figure_name, offset_name
 from analog_card.command_line.options import DESIGN, JSON, examples, table
 from analog_card.command_line.tolerance_options import tolerance_options, with_tolerances
-from analog_card.console import progress
+from analog_card.console import Count, progress
 from analog_card.design import AMPLIFIER_FIGURES, AMPLIFIERS
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
@@ -25,10 +25,10 @@ _PLAIN_UNITS = ("1/s2", "1/s", "m/s2", "V s/m", "V s2/m", "degree", "Hz")
 def study_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that every tolerance study takes."""
     options = [
-        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
+        click.option("--seed", type=Count(min=0), default=0, show_default=True),
         click.option(
             "--jobs",
-            type=click.IntRange(min=1),
+            type=Count(min=1),
             default=1,
             show_default=True,
             help="Processes to run in; the numbers do not depend on it.",
@@ -62,14 +62,14 @@ def study_options(function: Callable[..., Any]) -> Callable[..., Any]:
 )
 @click.option(
     "--trials",
-    type=click.IntRange(min=2),
+    type=Count(min=2),
     default=1000,
     show_default=True,
     help="Cards computed by behaviour.",
 )
 @click.option(
     "--netlist-trials",
-    type=click.IntRange(min=0),
+    type=Count(min=0),
     default=200,
     show_default=True,
     help="How many of them are run as netlists too.",

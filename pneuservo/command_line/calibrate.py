@@ -7,7 +7,7 @@ from typing import Any
 import click
 import tomli_w
 
-from analog_card.console import Quantity, progress
+from analog_card.console import Count, Quantity, progress
 from analog_card.files import write_whole
 from pneuservo.command_line.diagnose import Window
 from pneuservo.errors import InputError
@@ -44,7 +44,7 @@ Examples:
     help="Folder for the answer.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of simulated noise.")
-@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--jobs", type=Count(1), default=1, show_default=True, help="Processes.")
 @click.option("--json", "as_json", is_flag=True, help="Print calibration.json and nothing else.")
 def command(
     recordings: tuple[str, ...],

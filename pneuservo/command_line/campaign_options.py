@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from analog_card.console import Count
 from analog_card.files import write_files
 from pneuservo.errors import InputError
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 _PLACE = (
     click.option(
         "--jobs",
-        type=click.IntRange(min=1),
+        type=Count(min=1),
         help="Processes to run in; the numbers do not depend on it.  [default: 1]",
     ),
     click.option("--cluster", metavar="ADDRESS", help="Run on the workers of a dask scheduler."),

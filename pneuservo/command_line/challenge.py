@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from analog_card.console import progress
+from analog_card.console import Count, progress
 from analog_card.files import write_whole
 
 _QUICK, _FULL = 32, 200
@@ -18,13 +18,11 @@ Examples:
 
 
 @click.command("challenge", epilog=_EPILOG)
-@click.option(
-    "--cases", type=click.IntRange(min=1), help=f"How many cases; {_FULL} in a new folder."
-)
+@click.option("--cases", type=Count(min=1), help=f"How many cases; {_FULL} in a new folder.")
 @click.option("--quick", is_flag=True, help=f"A trial of {_QUICK} cases.")
 @click.option("--seed", type=int, help="Draws the cases; drawn by chance and stated without it.")
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=2, show_default=True, help="Processes at a time."
+    "--jobs", type=Count(min=1), default=2, show_default=True, help="Processes at a time."
 )
 @click.option(
     "--out",

@@ -4,7 +4,7 @@ import json
 
 import click
 
-from analog_card.console import Quantity
+from analog_card.console import Count, Quantity
 from pneuservo.linear.detectability import DetectableFrequencies, detectable_frequencies
 from pneuservo.linear.from_rig import servo_data
 from pneuservo.simulation.inputs import require_kind
@@ -18,9 +18,7 @@ Examples:
 
 @click.command("detectable", epilog=EXAMPLES)
 @click.option("--rig", help="A rig of kind single-axis.  [default: table 5.2 of the thesis]")
-@click.option(
-    "--bits", type=click.IntRange(4, 24), default=12, show_default=True, help="Of the converter."
-)
+@click.option("--bits", type=Count(4, 24), default=12, show_default=True, help="Of the converter.")
 @click.option(
     "--threshold", type=Quantity("m", 0.0), help="Amplitude just seen.  [default: half a bit]"
 )

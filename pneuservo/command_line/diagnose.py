@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from analog_card.console import progress
+from analog_card.console import Count, progress
 from analog_card.files import write_files
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
@@ -92,7 +92,7 @@ Examples:
 )
 @click.option(
     "--jobs",
-    type=click.IntRange(min=1),
+    type=Count(min=1),
     help="Fits at a time; the answer does not depend on it.  [default: one per processor]",
 )
 @click.option(

@@ -8,7 +8,7 @@ from typing import Any
 import click
 import tomli_w
 
-from analog_card.console import Quantity, progress
+from analog_card.console import Count, Quantity, progress
 from analog_card.files import write_whole
 from pneuservo.command_line.diagnose import Window
 from pneuservo.errors import InputError
@@ -57,7 +57,7 @@ Examples:
 @click.option("--rig", help="Rig name or rig file, in place of the one the recordings name.")
 @click.option("--window", type=Window(), help="Use only this stretch of the recordings [s].")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the evolution.")
-@click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--jobs", type=Count(1), default=1, show_default=True, help="Processes.")
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),

@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from analog_card.behaviour import Imperfections
-from analog_card.console import Quantity
+from analog_card.console import Count, Quantity
 from pneuservo.command_line.loop_controller import (
     CARDS,
     UNITS,
@@ -95,7 +95,7 @@ Examples:
 )
 @click.option(
     "--seed",
-    type=click.IntRange(min=0),
+    type=Count(min=0),
     default=0,
     help="Of the noise that the rig's transducers or converters have.  [default: 0]",
 )

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from analog_card.console import progress
+from analog_card.console import Count, progress
 from analog_card.files import write_whole
 from pneuservo.errors import InputError
 
@@ -42,7 +42,7 @@ Examples:
 )
 @click.option(
     "--jobs",
-    type=click.IntRange(1, 64),
+    type=Count(1, 64),
     default=1,
     show_default=True,
     help="Chapters recomputed at the same time.",

@@ -4,7 +4,7 @@ import click
 
 from analog_card.command_line.tolerance import parsed_limits, report, study_options
 from analog_card.command_line.tolerance_options import with_tolerances
-from analog_card.console import progress
+from analog_card.console import Count, progress
 from analog_card.design_file import load_design
 from pneuservo.rigs import load_rig
 from pneuservo.tolerance import ALL_FIGURES, study_loop
@@ -18,7 +18,7 @@ Examples:
 
 @click.command("tolerance", epilog=_EPILOG)
 @click.option(
-    "--trials", type=click.IntRange(min=2), default=1000, show_default=True, help="Cards simulated."
+    "--trials", type=Count(min=2), default=1000, show_default=True, help="Cards simulated."
 )
 @click.option("--rig", default="single-axis", show_default=True, help="The plant: name or file.")
 @study_options

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from analog_card.console import Quantity, progress
+from analog_card.console import Count, Quantity, progress
 from pneuservo.command_line.campaign_options import (
     hand_out,
     options_of_place,
@@ -77,7 +77,7 @@ The set of rigs, in a file as of pneuservo campaign:
 @click.option("--generations", type=int, default=30, show_default=True, help="How many times.")
 @click.option(
     "--check",
-    type=click.IntRange(min=0),
+    type=Count(min=0),
     default=100,
     show_default=True,
     help="Drawn rigs and cards in which the outcome is simulated.",

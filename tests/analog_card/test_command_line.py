@@ -85,6 +85,8 @@ def test_tune_prints_json_only(analog_card):
         ("tune --settling-time 0.07 --design no.toml", "no.toml: No such file"),
         ("tune --settling-time 0.07 --out bad.toml/card.toml", "bad.toml"),
         ("verify --design bad.toml", "bad.toml"),
+        ("tolerance --jobs two", "'two' is not a whole number; allowed: 1 and more"),
+        ("tolerance --trials 1", "1 is out of range; allowed: 2 and more"),
         ("verify --design no.toml", "no.toml"),
         ("doctor --nonsense", "No such option"),
         ("tun", "No such command"),
