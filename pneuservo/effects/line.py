@@ -32,7 +32,10 @@ DELAY = Effect(
     statement="The flow reaches the chambers late and weakened; the model has no hose to travel.",
     equation="m_chamber(t) = m_valve(t - time), throttled by area as in line.restriction",
     parameters=(
-        EffectParameter("time", "s", 0.0, 0.0, 1e-2, (1e-3, 3e-3), "time on the way", "line.delay"),
+        EffectParameter(
+            "time", "s", 0.0, 0.0, 1e-2, (1e-3, 3e-3), "time on the way", "line.delay",
+            least=1e-4,  # 35 mm of hose: one that throttles and delays by less is a restriction
+        ),
         EffectParameter(
             "area", "m**2", 0.0, 2e-7, 2e-5, (5e-6,), "effective area of a hose; 0 for none",
             "line.attenuating_area",

@@ -76,6 +76,15 @@ def test_an_effect_at_the_ends_of_all_its_ranges_is_another(frequency, is_itself
     assert judge._is_not_itself(mode.id, fit) is not is_itself
 
 
+@pytest.mark.parametrize(("time", "is_itself"), [(2e-5, False), (3e-4, True)])
+def test_a_hose_of_no_length_does_not_delay(time, is_itself):
+    # It throttles, and is to be named by that: of a throttle that holds some air 20 us were left.
+    delay = effect_by_id("line.delay", "single-axis")
+    fit = SimpleNamespace(shared={delay.key("time"): time, delay.key("area"): 5e-6})
+    judge = ByGain(fit, fit, [delay], lambda name, fit: 0.0, lambda fit: 0.0)
+    assert judge._is_not_itself(delay.id, fit) is not is_itself
+
+
 def leaves(energy, unknowns):
     """Return what stands for a fit that leaves this sum of squares."""
     return SimpleNamespace(
