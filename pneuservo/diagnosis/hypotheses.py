@@ -239,7 +239,7 @@ class Hypotheses:
         first = ranked[:FITTED_FIRST]
         if self.model.steady and base is self.baseline:
             first += [name for name in far_out(base) if name in promises]
-        found = self._fitted_with(base, {n: promises[n] for n in dict.fromkeys(first)})
+        found = self._fitted_with(base, {n: promises[n] for n in first})
         best, reached = _best_of(base, found, barred)
         near = within_reach(base, promises, reached, best)
         found |= self._fitted_with(base, {n: p for n, p in near.items() if n not in found}, reached)

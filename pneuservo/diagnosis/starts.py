@@ -54,8 +54,8 @@ def best_start(
         return least_of([*starts, *moved])
     if begin is Begin.ALONE:
         sized = [found for start in moved for found in _sized(start, near, hypothesis, alone=True)]
-        balanced = _balanced(moved[0], near, hypothesis)
-        return least_of([*(sized or [*_beside_found(starts, near), *moved]), *balanced])
+        if sized:
+            return least_of([*sized, *_balanced(moved[0], near, hypothesis)])
     return least_of(_near_enough(_beside_found(starts, near), moved, near, hypothesis))
 
 
