@@ -209,7 +209,7 @@ def nonlinear_step(
         return Motion(run.time, run["displacement"], run["velocity"], run["acceleration"])
     plant = from_rig.single_axis(require_kind(rig, "single-axis"))
     outputs = integrator.run(
-        np.ascontiguousarray(time, float),
+        np.array(time, float),
         np.column_stack((np.full(len(time), target), np.zeros(len(time)))),
         start.state(plant, origin, 0.0),
         controller.law(rig),

@@ -54,7 +54,7 @@ def run_batch(
         Discharge coefficients, the same for all.
     columns : (m,) array of int
         Places in `OUTPUTS` of what is wanted.
-    outputs : (m, 8 blocks, n) array
+    outputs : (8 blocks, m, n) array
         Written, each row just after its time.
     """
     state, modes = np.empty((STATES_WITH_CARD, WIDTH)), np.empty((len(MODES_LIKE), WIDTH))
@@ -80,7 +80,7 @@ def run_batch(
                 _settle_lanes(changed, state, modes, held, own_numbers, law, plant, of_one_lane)
                 now, doing = load_lanes(state, STATE_LIKE), load_lanes(modes, MODES_LIKE)
             store_rows(row, output_values(now, doing, held, laws, plants))
-            _write(row, columns, outputs[:, block * WIDTH : (block + 1) * WIDTH, k])
+            _write(row, columns, outputs[block * WIDTH : (block + 1) * WIDTH, :, k])
             if k + 1 == time.shape[0]:
                 break
             steps, step = steps_between(time[k], time[k + 1], largest_step)
@@ -125,7 +125,7 @@ def _write(row, columns, outputs):
         if not min(row[OUTPUT_PRESSURE_A, lane], row[OUTPUT_PRESSURE_B, lane]) > 0.0:
             broken = math.nan
         for i in range(columns.shape[0]):
-            outputs[i, lane] = row[columns[i], lane] + broken
+            outputs[lane, i] = row[columns[i], lane] + broken
 
 
 @compiled

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
@@ -55,6 +55,13 @@ class Recording:
     notes: str = ""
     warnings: tuple[str, ...] = ()
     source: Path | None = None
+
+    def __post_init__(self) -> None:
+        # A kernel is compiled anew, for up to a minute, for samples that lie in memory in another
+        # way: those of a file cannot be written to, every second one is a view.
+        object.__setattr__(self, "time", _in_one_way(self.time))
+        channels = {name: _in_one_way(samples) for name, samples in self.channels.items()}
+        object.__setattr__(self, "channels", channels)
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -143,3 +150,8 @@ class Recording:
         ax.set_xlabel("time [s]")
         ax.set_ylabel(f"{channel.replace('_', ' ')} [{unit}]")
         return ax
+
+
+def _in_one_way(samples: ArrayLike) -> NDArray[np.float64]:
+    """Return samples as most arrays are: one after the other, and to be written to."""
+    return np.require(samples, np.float64, ("C_CONTIGUOUS", "WRITEABLE"))

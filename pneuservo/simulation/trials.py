@@ -152,7 +152,9 @@ def run_trials(
         for array in (np.array(numbers), trials.states)
     )
     columns = np.array(places, dtype=np.int64)
-    outputs = np.empty((len(places), blocks * WIDTH, len(times)))
+    # Run by run, so that a part of them is one piece of memory as all are: the kernel would else be
+    # compiled for either.
+    outputs = np.empty((blocks * WIDTH, len(places), len(times)))
 
     def run(part: slice) -> None:
         run_batch(
@@ -165,7 +167,7 @@ def run_trials(
             trials.grid,
             step,
             columns,
-            outputs[:, part.start * WIDTH : part.stop * WIDTH],
+            outputs[part.start * WIDTH : part.stop * WIDTH],
         )
 
     share = -(-blocks // (max(jobs, 1) * _SHARES_PER_THREAD))
@@ -177,7 +179,7 @@ def run_trials(
         # The kernel lets go of the interpreter, so that threads run beside each other.
         with ThreadPoolExecutor(jobs) as pool:
             list(pool.map(run, parts))
-    return outputs[:, : len(trials)]
+    return outputs[: len(trials)].transpose(1, 0, 2)
 
 
 def processors() -> int:

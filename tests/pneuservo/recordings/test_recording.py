@@ -61,3 +61,16 @@ def test_importing_the_reader_is_light():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_samples_lie_in_memory_in_one_way_wherever_they_came_from():
+    # Of a file they are not to be written to, and every second one is no array of its own: kernels
+    # were compiled once for each, the observer of the servo for up to a minute.
+    time, read, own = np.arange(6.0)[::2], np.arange(3.0), np.arange(3.0)
+    read.setflags(write=False)
+    recording = Recording("run", time, {"displacement": read, "force": own})
+    for samples in (recording.time, *recording.channels.values()):
+        assert samples.flags.c_contiguous
+        assert samples.flags.writeable
+    assert recording["force"] is own
+    assert not read.flags.writeable
