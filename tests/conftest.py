@@ -5,12 +5,19 @@ from pathlib import Path
 
 import pytest
 
-SLOWEST = ("test_servo_diagnosis.py", "test_readme.py", "test_no_effect_controls.py")
+FIRST = (
+    # What takes longest: the last file would have a process to itself.
+    "test_servo_diagnosis.py",
+    "test_readme.py",
+    "test_no_effect_controls.py",
+    # Beside the next file, which the other process would take, both would compile its kernels.
+    "test_figure_command.py",
+)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the files that take longest: the last one would have a process to itself."""
-    items.sort(key=lambda item: item.path.name not in SLOWEST)
+    """Put the files in an order in which both processes have work to the end, each its own."""
+    items.sort(key=lambda item: item.path.name not in FIRST)
 
 
 @pytest.fixture(scope="session")

@@ -20,8 +20,8 @@ from pneuservo.errors import FitError
 
 _DIFFERENCE_STEP = 1e-6
 _MOST_EVALUATIONS = 60
-_ENOUGH = 1e-5
-"""Relative drop of the sum of squares below which a fit from kept sensitivities ends."""
+_CLOSE, _ENOUGH = 1e-6, 1e-5
+"""Relative drop of the sum of squares below which a fit ends, and one from kept sensitivities."""
 _FEW_EVALUATIONS = 15
 _MOST_PASSES = 8
 _BEYOND = (-2.0, -1.0, 1.0, 2.0)
@@ -272,7 +272,11 @@ def _solve(
 
     low, high = problem.bounds
     begin = np.clip(vector, low, high)
-    how: dict[str, Any] = {"diff_step": _DIFFERENCE_STEP, "max_nfev": _MOST_EVALUATIONS}
+    how: dict[str, Any] = {
+        "diff_step": _DIFFERENCE_STEP,
+        "ftol": _CLOSE,
+        "max_nfev": _MOST_EVALUATIONS,
+    }
     if problem.model.steady:
         how = {
             "jac": SteadySensitivity(problem, known),
