@@ -43,7 +43,9 @@ Examples:
     show_default=True,
     help="Folder for the answer.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of simulated noise.")
+@click.option(
+    "--seed", type=Count(min=0), default=0, show_default=True, help="Seed of simulated noise."
+)
 @click.option("--jobs", type=Count(1), default=1, show_default=True, help="Processes.")
 @click.option("--json", "as_json", is_flag=True, help="Print calibration.json and nothing else.")
 def command(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from analog_card.console import Quantity, progress
+from analog_card.console import Count, Quantity, progress
 from pneuservo.command_line.campaign_options import (
     hand_out,
     options_of_place,
@@ -52,7 +52,7 @@ Campaign file:
     "those of rig files, of design files, controller.OPTION, effect:PARAMETER and element.NAME.",
 )
 @click.option("--trials", type=int, help="Drawn at each point of the grid.  [default: 100 or 1]")
-@click.option("--seed", type=int, help="Of what is drawn.  [default: 0]")
+@click.option("--seed", type=Count(min=0), help="Of what is drawn.  [default: 0]")
 @click.option("--rig", help="A built-in rig or a rig file.  [default: single-axis]")
 @click.option("--controller", metavar="NAME", help="As for pneuservo simulate.")
 @click.option("--demand", metavar="LIST|RECORDING", help='Such as "15,24,6,15 mm".')

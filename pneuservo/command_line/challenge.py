@@ -20,7 +20,9 @@ Examples:
 @click.command("challenge", epilog=_EPILOG)
 @click.option("--cases", type=Count(min=1), help=f"How many cases; {_FULL} in a new folder.")
 @click.option("--quick", is_flag=True, help=f"A trial of {_QUICK} cases.")
-@click.option("--seed", type=int, help="Draws the cases; drawn by chance and stated without it.")
+@click.option(
+    "--seed", type=Count(min=0), help="Draws the cases; drawn by chance and stated without it."
+)
 @click.option(
     "--jobs", type=Count(min=1), default=2, show_default=True, help="Processes at a time."
 )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from analog_card.console import progress
+from analog_card.console import Count, progress
 from analog_card.design_file import design_to_toml
 from analog_card.files import write_files
 
@@ -29,7 +29,9 @@ Examples:
     type=click.Path(path_type=Path),
     help="Your own recording, in place of the example.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the example's noise.")
+@click.option(
+    "--seed", type=Count(min=0), default=0, show_default=True, help="Seed of the example's noise."
+)
 def command(out: Path, recording: Path | None, seed: int) -> None:
     """Tune the card, run its netlist, close the loop, diagnose a recording, and report."""
     from pneuservo.demo import run_demo, summary

@@ -88,7 +88,11 @@ Examples:
     help="Folder for the answer.",
 )
 @click.option(
-    "--seed", type=int, default=0, show_default=True, help="Seed of the noise chance is judged by."
+    "--seed",
+    type=Count(min=0),
+    default=0,
+    show_default=True,
+    help="Seed of the noise chance is judged by.",
 )
 @click.option(
     "--jobs",

@@ -56,7 +56,9 @@ Examples:
 )
 @click.option("--rig", help="Rig name or rig file, in place of the one the recordings name.")
 @click.option("--window", type=Window(), help="Use only this stretch of the recordings [s].")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the evolution.")
+@click.option(
+    "--seed", type=Count(min=0), default=0, show_default=True, help="Seed of the evolution."
+)
 @click.option("--jobs", type=Count(1), default=1, show_default=True, help="Processes.")
 @click.option(
     "--out",

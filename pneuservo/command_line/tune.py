@@ -82,7 +82,7 @@ The set of rigs, in a file as of pneuservo campaign:
     show_default=True,
     help="Drawn rigs and cards in which the outcome is simulated.",
 )
-@click.option("--seed", type=int, help="Of the search and of what is drawn.  [default: 0]")
+@click.option("--seed", type=Count(min=0), help="Of the search and of what is drawn.  [default: 0]")
 @options_of_place
 @click.option(
     "--out",

@@ -18,6 +18,7 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, noise_level
 from pneuservo.diagnosis.problem import values_in_each
+from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.effects import CATALOGUE, effect_by_id
 
 
@@ -71,6 +72,18 @@ class Accepted(Hypotheses):
     def noise_rms(self) -> float:
         """Return the noise of all recordings together [SI]."""
         return float(np.sqrt(np.mean(np.square(self.noise))))
+
+    def leaves_noise(self, found: Fit) -> bool:
+        """Return whether a fit leaves no more than noise of any channel of any recording.
+
+        Parameters
+        ----------
+        found : Fit
+            Of one of the hypotheses.
+        """
+        # Recordings of a steady model are in units of their noise.
+        noise = [1.0] * len(self.cases) if self.model.steady else self.noise
+        return leaves_noise(self.cases, found, noise)
 
     def unexplained_share(self, found: Fit) -> float:
         """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""

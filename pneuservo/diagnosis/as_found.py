@@ -5,7 +5,6 @@ from pneuservo.diagnosis.fitting import refitted
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.search import Search
-from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.diagnosis.ways import Cases, values_in
 
 
@@ -61,7 +60,7 @@ def _trusted(search: Search) -> Search:
     model = search.model
     cases = model.trusted(search.cases)
     # Where more than noise is left, it is not hidden.
-    if are_the_same(cases, search.cases) or not leaves_noise(search.cases, search.chosen):
+    if are_the_same(cases, search.cases) or not search.leaves_noise(search.chosen):
         return search
     other = _gone_on(search, _elsewhere(search, cases, refitted(model, cases, search.chosen)))
     if frozenset(other.accepted) <= frozenset(search.accepted):

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.locate import in_all
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 
@@ -76,7 +77,7 @@ def _along(cases: Sequence[Case], model: Model) -> Array:
     """Return how near every usable sample is to each place along what was recorded, (n, k)."""
     recorded = [model.regressors(case) for case in cases]
     columns = [np.ones(sum(int(case.usable.sum()) for case in cases))]
-    for name in recorded[0]:
+    for name in in_all(recorded):
         values = np.concatenate(
             [each[name][case.usable] for each, case in zip(recorded, cases, strict=True)]
         )

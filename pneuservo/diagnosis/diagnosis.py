@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.as_found import as_found
@@ -12,13 +13,13 @@ from pneuservo.diagnosis.first_name import with_first_name
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack, times_missed
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
+from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.models.model import Misfit
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.side_by_side import at_a_time, side_by_side
-from pneuservo.diagnosis.strained import leaves_noise
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
 from pneuservo.effects import CATALOGUE
 from pneuservo.errors import InputError
@@ -92,7 +93,9 @@ class Diagnosis:
             return "unexplained"
         if accepted:
             return "parameter"
-        return "unexplained" if self.structure_remains else "consistent"
+        # What was not searched to the end is only consistent where nothing is left to be found.
+        cut_short = self.search.interrupted and not self.search.leaves_noise(self.search.chosen)
+        return "unexplained" if cut_short or self.structure_remains else "consistent"
 
     @property
     def named_table(self) -> Unexplained | None:
@@ -115,32 +118,43 @@ class Diagnosis:
 
     @cached_property
     def structure_remains(self) -> bool:
-        """Return whether the chosen model leaves more than noise behind.
+        """Return whether the repaired model leaves more than noise behind.
 
         Noise whose size is known, or a residual far above its floor, decides at once. Between
         them only a coloured residual counts that depends on something that was recorded: noise
         may be coloured too, but it does not know where the piston is.
         """
-        chosen, cases = self.search.chosen, self.search.cases
-        if self.model.tabulates:
-            return self.holds_nameless
-        noise = self.search.noise_rms
-        ratio = max(chosen.rms_of(channel) for channel in chosen.effective) / noise
+        ratio = max(self._times_noise.values())
         if ratio < SUSPICIOUS_RATIO:
             return False
-        known = all(case.channel in case.recording.noise_rms for case in cases)
+        recorded = [case for case in self.search.cases if case.recorded]
+        known = all(case.channel in case.recording.noise_rms for case in recorded)
         if known or ratio > OBVIOUS_RATIO:
             return True
-        if chosen.all_effective > COLOURED * chosen.samples:
+        left = self.repaired
+        if left.all_effective > COLOURED * left.samples:
             return False
         return self.left_over.beyond_chance
 
+    @property
+    def _times_noise(self) -> dict[str, float]:
+        """Return how many times its noise each recorded channel is left at."""
+        search = self.search
+        noise: dict[str, list[float]] = {}
+        for case, level in zip(search.cases, search.noise, strict=True):
+            if case.recorded:
+                noise.setdefault(case.channel, []).append(level)
+        return {
+            channel: self.repaired.rms_of(channel) / float(np.sqrt(np.mean(np.square(levels))))
+            for channel, levels in noise.items()
+        }
+
     @cached_property
     def left_over(self) -> Dependence:
-        """Return what the residual of the chosen model depends on most."""
+        """Return what the residual of the repaired model depends on most."""
         search = self.search
         return strongest_dependence(
-            search.model, search.cases, search.chosen.residuals, search.seed
+            search.model, search.cases, self.repaired.residuals, search.seed
         )
 
     @cached_property
@@ -212,8 +226,8 @@ def diagnose(
     FitError
         When the baseline cannot be fitted at all.
     KeyboardInterrupt
-        When it is interrupted before the baseline is fitted; later the answer is made of what has
-        been fitted until then.
+        When it is interrupted before the baseline is fitted; later, and once more while it
+        predicts what was held back, the answer is made of what has been fitted until then.
     """
     if not recordings:
         raise InputError("no recording was given; name at least one file")
@@ -237,20 +251,24 @@ def diagnose(
         kept_out = HeldBack(model, held_back, search.cases[0])
         unexplained = misfit = None
         if not search.interrupted:
-            search.name_what_relieves(kept_out)
-            search.name_wrong_parameters()
-            search.drop_refuted(kept_out)
-            search.profile()
-            unexplained, misfit = _unexplained(search, kept_out)
+            with search.kept_when_interrupted():
+                search.name_what_relieves(kept_out)
+                search.name_wrong_parameters()
+                search.drop_refuted(kept_out)
+                search.profile()
+                unexplained, misfit = _unexplained(search, kept_out)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
-            progress("predicting what was held back")
             table = None if unexplained is None else unexplained.table
-            kept_out = kept_out.read_with(repaired, table)
-            before = kept_out.predicted(search.baseline)
-            after = kept_out.predicted(repaired, table)
-            if unexplained is None and misfit is None:
-                misfit = _not_borne_out(search, kept_out.cases, before, after)
+            with search.kept_when_interrupted():
+                progress("predicting what was held back")
+                kept_out = kept_out.read_with(repaired, table)
+                before, after = (
+                    kept_out.predicted(search.baseline),
+                    kept_out.predicted(repaired, table),
+                )
+                if unexplained is None and misfit is None:
+                    misfit = _not_borne_out(search, kept_out.cases, before, after)
     return Diagnosis(
         chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit, jobs
     )
@@ -280,6 +298,9 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
         beside = search.baseline if found.instead else search.chosen
         # Whatever a table explains: it can follow what no law would.
         if held_back.are_predicted_worse(beside, found.fit, table=found.table):
+            members, what = tuple(search.accepted), f"a table of {found.table.what}"
+            why = "what was held back is predicted worse with it"
+            search.ledger.append(Step(members, "", True, what, why=why))
             found = None
     if found is not None and (misfit is None or found.gain > misfit.energy):
         if found.instead:
@@ -299,7 +320,7 @@ def _not_borne_out(
     where another explains as much, that may be the one that holds.
     """
     names = [name for name in search.accepted if name in CATALOGUE]
-    if not search.model.tabulates or not names or not leaves_noise(search.cases, search.chosen):
+    if not search.model.tabulates or not names or not search.leaves_noise(search.chosen):
         return None
     times = times_missed(held_back, before, after)
     if not times or any({*search.alike(name)} - {*search.forms_of(name)} for name in names):

@@ -50,7 +50,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def _document(diagnosis: Diagnosis) -> dict[str, Any]:
     verdict = diagnosis.verdict
-    missing = [_missing(diagnosis.search, m) for m in _effects(diagnosis.search)]
+    missing = [_missing(diagnosis, m) for m in _effects(diagnosis.search)]
     if verdict == "unexplained" and not missing:
         missing = [_unexplained(diagnosis, 1.0)]
     elif diagnosis.named_table is not None:
@@ -140,7 +140,7 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
     for member in _effects(diagnosis.search):
         effects[member] = {
             name: {key: entry[key] for key in ("value", "unit", "low", "high")}
-            for name, entry in _parameters(diagnosis.search, member).items()
+            for name, entry in _parameters(diagnosis, member).items()
         }
     if diagnosis.unexplained is not None:
         effects[diagnosis.unexplained.table.effect] = diagnosis.unexplained.parameters
@@ -173,8 +173,8 @@ def _effects(search: Search) -> list[str]:
     return [member for member in search.accepted if not member.startswith("param.")]
 
 
-def _parameters(search: Search, member: str) -> dict[str, dict[str, Any]]:
-    effect, chosen = effect_by_id(member, search.model.kind), search.chosen
+def _parameters(diagnosis: Diagnosis, member: str) -> dict[str, dict[str, Any]]:
+    effect, chosen = effect_by_id(member, diagnosis.model.kind), diagnosis.repaired
     found = {}
     for parameter in effect.parameters:
         key = effect.key(parameter.name)
@@ -188,15 +188,17 @@ def _parameters(search: Search, member: str) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _derived(search: Search, member: str) -> dict[str, dict[str, Any]]:
+def _derived(diagnosis: Diagnosis, member: str) -> dict[str, dict[str, Any]]:
     found = {}
-    for name, (unit, follows) in search.model.derived(search.cases[0], member).items():
-        value, low, high = search.chosen.interval_of(follows)
+    case = diagnosis.search.cases[0]
+    for name, (unit, follows) in diagnosis.model.derived(case, member).items():
+        value, low, high = diagnosis.repaired.interval_of(follows)
         found[name] = {"value": value, "unit": unit, "low": low, "high": high}
     return found
 
 
-def _missing(search: Search, member: str) -> dict[str, Any]:
+def _missing(diagnosis: Diagnosis, member: str) -> dict[str, Any]:
+    search = diagnosis.search
     effect = effect_by_id(member, search.model.kind)
     rivals = search.rivals(member)
     own = next(rival for rival in rivals if rival.candidate == member)
@@ -205,6 +207,9 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
     alike = [name for name in close if name in CATALOGUE]
     alike += [name for name in search.alike(member) if name not in alike]
     probability = {rival.candidate: rival.probability for rival in rivals}
+    # Of those that are tied the simpler one is named: it is as likely as they are.
+    tied = [name for name in probability if probability[name] >= probability[member]]
+    probability |= dict.fromkeys(tied, sum(probability[name] for name in tied) / len(tied))
     if search.model.steady:
         # Evidence between laws that differ in form alone says nothing: they share what they have.
         together = [member, *alike]
@@ -215,7 +220,7 @@ def _missing(search: Search, member: str) -> dict[str, Any]:
         "block": search.block_of(member),
         "statement": effect.statement,
         "equation": effect.equation,
-        "parameters": _parameters(search, member) | _derived(search, member),
+        "parameters": _parameters(diagnosis, member) | _derived(diagnosis, member),
         "probability": probability[member],
         "class": [member, *alike],
         "alternatives": [
@@ -240,7 +245,8 @@ def _doubt(diagnosis: Diagnosis, missing: list[dict[str, Any]]) -> float:
         share = max(diagnosis.search.share(entry["effect"]), 0.0)
         doubts.append(unnamed / (share + unnamed))
         entry["probability"] *= 1.0 - doubts[-1]
-    return max(doubts)
+    # Beside a parameter alone no effect is doubted.
+    return max(doubts, default=unnamed)
 
 
 def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
@@ -249,13 +255,19 @@ def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
     return {
         "effect": "unexplained",
         "block": _guilty(diagnosis),
-        "statement": f"Nothing in the catalogue explains what is left{_look(diagnosis)}.",
+        "statement": _nothing_explains(diagnosis),
         "equation": "",
         "parameters": {},
         "probability": min(probability, SUREST),
         "class": ["unexplained"],
         "alternatives": [],
     }
+
+
+def _nothing_explains(diagnosis: Diagnosis) -> str:
+    if diagnosis.search.interrupted:
+        return "The search was interrupted before anything explained what is left."
+    return f"Nothing in the catalogue explains what is left{_look(diagnosis)}."
 
 
 def _look(diagnosis: Diagnosis) -> str:
@@ -298,7 +310,7 @@ def _guilty(diagnosis: Diagnosis) -> str:
 
 
 def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
-    chosen, case = diagnosis.search.chosen, diagnosis.search.cases[0]
+    chosen, case = diagnosis.repaired, diagnosis.search.cases[0]
     corrected = {}
     for key in diagnosis.model.fitted(case):
         parameter, (low, high) = case.rig.parameters[key], chosen.intervals[key]

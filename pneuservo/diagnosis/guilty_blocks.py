@@ -54,7 +54,8 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     # Where the noise is known to a fifth only, a small excess over it is nobody's fault.
     blames_rest = rest > SMALLEST_SHARE
     if search.model.steady:
-        blames_rest = diagnosis.structure_remains and diagnosis.unexplained is None
+        remains = diagnosis.holds_nameless or diagnosis.structure_remains
+        blames_rest = remains and diagnosis.unexplained is None
     if blames_rest or not shares:
         left = search.chosen.residuals
         if diagnosis.misfit is not None:

@@ -215,10 +215,11 @@ class Hypotheses:
         self._promising = {a: p for a, p in self._promising.items() if a[0] != hypothesis}
         for name, tried in self._hopeless.items():
             self._hopeless[name] = [h for h in tried if h != hypothesis]
-        for other in tuple(self.fits):
+        for other, found in tuple(self.fits.items()):
             larger = hypothesis.is_part_of(other) and other != hypothesis
-            if larger and explained(closer, self.fits[other]) < 0.0:
-                del self.fits[other]
+            if larger and explained(closer, found) < 0.0:
+                # A fit that is done beside this one may have dropped it already.
+                self.fits.pop(other, None)
                 self._ended.discard(other)
 
     def _best_fitted(

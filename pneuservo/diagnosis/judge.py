@@ -25,7 +25,7 @@ LARGE_SHARE_OF_REST = 0.5
 """... or the share of what is still unexplained when it is added."""
 SECOND_SHARE = 0.05
 """Share that an effect beside another has to account for where forms of laws are compared that
-differ from the real ones: they leave up to 5 % of an effect (section 5 of the method notes)."""
+differ from the real ones: they leave up to 5 % of an effect (`docs/challenge.md`)."""
 AS_GOOD = 0.1**2
 """Share by which the simplest effect may fall behind the best and still be named first: the energy
 of the tenth of an effect that is left where forms of laws differ."""

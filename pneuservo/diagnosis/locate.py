@@ -147,9 +147,31 @@ def _explained(residual: Array, values: Array) -> float:
     return 1.0 - float(np.mean((test - curve[bins[~train]]) ** 2) / np.mean(test**2))
 
 
+def in_all(quantities: Sequence[Mapping[str, Array]]) -> list[str]:
+    """Return the names of what was recorded in all of some recordings.
+
+    Parameters
+    ----------
+    quantities : sequence of mapping
+        What was recorded, by name.
+
+    Examples
+    --------
+    >>> in_all([{"velocity": [0.1], "demand": [0.2]}, {"velocity": [0.3]}])
+    ['velocity']
+    """
+    first, *others = quantities
+    return [name for name in first if all(name in each for each in others)]
+
+
 def _joined(model: Model, cases: Sequence[Case]) -> Mapping[str, Array]:
-    parts: dict[str, list[Array]] = {}
-    for case in cases:
-        for name, values in model.regressors(case).items():
-            parts.setdefault(name, []).append(np.nan_to_num(values[case.usable]))
-    return {name: np.concatenate(p) for name, p in parts.items()}
+    recorded = [model.regressors(case) for case in cases]
+    return {
+        name: np.concatenate(
+            [
+                np.nan_to_num(each[name][case.usable])
+                for each, case in zip(recorded, cases, strict=True)
+            ]
+        )
+        for name in in_all(recorded)
+    }

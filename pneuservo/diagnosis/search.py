@@ -22,7 +22,7 @@ from pneuservo.diagnosis.pretence import FAR
 from pneuservo.diagnosis.profile import RISE, with_profiles
 from pneuservo.diagnosis.rivals import Rivals
 from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count, scores
-from pneuservo.diagnosis.strained import MANY_WRONG, is_strained, leaves_noise, out_of_tolerance
+from pneuservo.diagnosis.strained import MANY_WRONG, is_strained, out_of_tolerance
 from pneuservo.effects import CATALOGUE
 
 MOST_EFFECTS = 3
@@ -60,7 +60,7 @@ class Search(Rivals):
         KeyboardInterrupt
             When not even the baseline is fitted yet.
         """
-        with self._kept_when_interrupted():
+        with self.kept_when_interrupted():
             self._begin(guess)
             if self.guessed and not self.accepted:
                 self._begin(guess=False)
@@ -83,7 +83,7 @@ class Search(Rivals):
         """
         if self.interrupted:
             return
-        with self._kept_when_interrupted():
+        with self.kept_when_interrupted():
             settled: set[frozenset[str]] = set()
             # What was tried in vain would only be tried again.
             while self.accepted or not self.ledger:
@@ -103,12 +103,19 @@ class Search(Rivals):
         """
         if other.accepted:
             self.accepted[:], self.ledger[:] = other.accepted, other.ledger
-        with self._kept_when_interrupted():
+        with self.kept_when_interrupted():
             self._revise()
         self.run()
 
     @contextmanager
-    def _kept_when_interrupted(self) -> Iterator[None]:
+    def kept_when_interrupted(self) -> Iterator[None]:
+        """Keep what has been found where the user interrupts what is done in this context.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            When not even the baseline is fitted yet.
+        """
         try:
             yield
         except KeyboardInterrupt:
@@ -163,7 +170,7 @@ class Search(Rivals):
         They cost little to explain recordings with, so that setting them free hardly explains more.
         None is named where there are many, or where one of them cannot be it.
         """
-        if self.accepted or not self.model.steady or not leaves_noise(self.cases, self.chosen):
+        if self.accepted or not self.leaves_noise(self.chosen):
             return
         while wrong := out_of_tolerance(self.chosen):
             current, name = self.chosen, f"param.{wrong[0]}"
@@ -179,7 +186,7 @@ class Search(Rivals):
     def _may_be_wrong(self, name: str) -> bool:
         """Return whether setting a parameter free leaves it possible, and noise."""
         free = self.ended(self.chosen.hypothesis.adding(name))
-        return not is_impossible(name, free) and leaves_noise(self.cases, free)
+        return not is_impossible(name, free) and self.leaves_noise(free)
 
     def name_what_relieves(self, held_back: HeldBack) -> None:
         """Name an effect that mostly relieves strained parameters where what was held back says so.

@@ -80,18 +80,20 @@ def out_of_tolerance(found: Fit) -> list[str]:
     return sorted(out, key=least.__getitem__, reverse=True)
 
 
-def leaves_noise(cases: Sequence[Case], found: Fit) -> bool:
+def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> bool:
     """Return whether what is left of every channel of every recording is of the size of noise.
 
     Parameters
     ----------
     cases : sequence of Case
-        In units of their noise.
+        The recordings.
     found : Fit
         To them.
+    noise : sequence of float
+        Of the judged channel of each [unit of the case].
     """
-    left = zip(cases, found.residuals, strict=True)
-    return all(rms([residual]) < LEAVES_NOISE for case, residual in left if case.recorded)
+    left = zip(cases, found.residuals, noise, strict=True)
+    return all(rms([r]) < LEAVES_NOISE * size for case, r, size in left if case.recorded)
 
 
 def _from_nominal(found: Fit) -> dict[str, float]:

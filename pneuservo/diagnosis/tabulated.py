@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, explained, rms
+from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.fitting import channel_scales
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table, Values
@@ -158,7 +158,7 @@ class Tabulated:
         Returns
         -------
         found : Fit
-            With the table.
+            With the table; what that may take over from a value widens the interval of it.
         steps : (p, k) array
             What it has at its knots.
         columns : (n, p k) array
@@ -177,7 +177,7 @@ class Tabulated:
                 break
             found, steps, gain = closer, moved, more
             columns = self.changes(found, steps=steps)
-        return found, steps, columns
+        return _beside_table(base, found, columns, len(steps)), steps, columns
 
     def _with_heights(
         self, base: Fit, steps: Steps
@@ -266,6 +266,40 @@ def spread_of_shape(base: Fit, columns: Array, parts: int) -> Array:
     covariance = shape @ np.linalg.pinv(rest.T @ rest + plain.T @ plain) @ shape
     spread: Array = np.sqrt(np.clip(np.diag(covariance), 0.0, None)).reshape(parts, knots)
     return spread
+
+
+def _beside_table(base: Fit, found: Fit, columns: Array, parts: int) -> Fit:
+    """Return a fit with the intervals of its values that are right beside a table.
+
+    None is narrower than without the table: those of sizes allow for the forms of laws.
+
+    Parameters
+    ----------
+    base, found : Fit
+        Without and with the table.
+    columns : (n, p k) array
+        What every knot changes.
+    parts : int
+        So many tables.
+    """
+    _, plain = _rows(found, columns, parts)
+    values, knots = len(found.keys), columns.shape[1]
+    rows = np.zeros((len(found.sensitivity) + len(plain), values + knots))
+    rows[: len(found.sensitivity), :values] = found.sensitivity
+    rows[: found.samples, values:] = found.counted(columns)
+    rows[len(found.sensitivity) :, values:] = plain
+    spread = np.linalg.pinv(rows.T @ rows)[:values, :values]
+    covariance = spread * np.outer(found.units, found.units)
+    half = INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    ends = [bound * found.units for bound in found.bounds]
+    intervals = dict(found.intervals)
+    for key, lowest, highest, much in zip(found.keys, *ends, half, strict=True):
+        if key in base.intervals:
+            value, (low, high) = found.shared[key], base.intervals[key]
+            below = max(much, base.shared[key] - low)
+            above = max(much, high - base.shared[key])
+            intervals[key] = float(max(value - below, lowest)), float(min(value + above, highest))
+    return replace(found, intervals=intervals, covariance=covariance)
 
 
 def _recorded(cases: Sequence[Case], residuals: Sequence[Array]) -> list[Array]:

@@ -14,8 +14,8 @@ from pneuservo.diagnosis.signatures import change_by
 from pneuservo.effects import Effect
 
 DETECTABLE = 4.0
-"""An effect shows when its signature is this many standard deviations long (section 2 of the
-method notes: below 4 a claim is not to be made)."""
+"""An effect shows when its signature is this many standard deviations long: what is shorter is
+hidden by the measure of the trial, too (`docs/challenge.md`)."""
 NAMEABLE = LEAST_GAIN**0.5
 """Length of the shortest signature that innovations are explained by."""
 SMALLEST = 1e-3
@@ -26,7 +26,8 @@ SAME_DIRECTION = 0.95
 
 _RUNAWAY = 1e12
 _ABSORBED = "absorbed by the parameters that are fitted with it"
-_TOO_SMALL = "too small"
+_TOO_SMALL = "too small to show even as large as it can be"
+_USUAL_TOO_SMALL = "too small to show even at its usual size"
 
 
 def not_visible(search: Search) -> list[dict[str, str]]:
@@ -87,7 +88,7 @@ def _faint(search: Search, effects: Sequence[Effect]) -> dict[str, str]:
     for effect in effects:
         shown = usual[effect.id]
         if shown.distinct < NAMEABLE:
-            reasons[effect.id] = _ABSORBED if shown.length >= NAMEABLE else _TOO_SMALL
+            reasons[effect.id] = _ABSORBED if shown.length >= NAMEABLE else _USUAL_TOO_SMALL
     return reasons
 
 
@@ -115,7 +116,7 @@ def _below(effect: Effect, smallest: tuple[float, float], distinct: float) -> st
     limit = usual * (NAMEABLE / distinct) ** rise
     parameter = effect.parameters[0]
     size = f"{limit:.1g} {parameter.unit}".strip()
-    return f"{_TOO_SMALL} to show below {size} ({parameter.name.replace('_', ' ')})"
+    return f"shows only from {size} on ({parameter.name.replace('_', ' ')})"
 
 
 def lookalikes(search: Search, parameter: str) -> list[str]:

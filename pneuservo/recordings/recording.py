@@ -120,6 +120,27 @@ class Recording:
         channels = {name: values[keep] for name, values in self.channels.items()}
         return replace(self, time=self.time[keep], channels=channels)
 
+    def from_its_start(self) -> "Recording":
+        """Return the recording with time counted from its first sample.
+
+        Returns
+        -------
+        Recording
+            With a warning that says so; the same recording where time begins at 0.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> cut = Recording("ramp", np.arange(5.0), {}).slice(3.0)
+        >>> cut.from_its_start().time, cut.from_its_start().warnings
+        (array([0., 1.]), ('time counts from the first sample that is used, at 3 s',))
+        """
+        first = float(self.time[0])
+        if first == 0.0:
+            return self
+        warning = f"time counts from the first sample that is used, at {first:g} s"
+        return replace(self, time=self.time - first, warnings=(*self.warnings, warning))
+
     def plot(self, channel: str, ax: Any = None) -> Any:
         """Draw a channel over time.
 

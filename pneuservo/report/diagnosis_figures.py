@@ -1,6 +1,6 @@
 """The pictures of a diagnosis."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,8 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.unexplained import Unexplained, smoothed
 from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
+from pneuservo.report.words import UNITS
 
-# For people: a scale, the unit to print, and what is subtracted first.
-_DISPLAY = {
-    "Pa": (1e-5, "bar"),
-    "N": (1.0, "N"),
-    "V": (1e3, "mV"),
-    "m": (1e3, "mm"),
-    "": (100.0, "%"),
-}
 _FITS = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
 _CLOSE = 5.0
 """Residuals within this factor of the noise are drawn on a linear axis."""
@@ -144,7 +137,7 @@ def _forces_at_rest(
 
 def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], index: int) -> None:
     above, below = axes
-    factor, unit = _DISPLAY[case.unit]
+    factor, unit = _shown(case.unit)
     scale = factor * case.scale
     name = case.channel.replace("_", " ")
     window = diagnosis.model.closeup(case)
@@ -180,11 +173,26 @@ def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], 
     below.legend(loc="upper right")
 
 
+def _shown(unit: str) -> tuple[float, str]:
+    """Return the scale and the name of a unit along an axis, where what has none is a share."""
+    return (UNITS | {"": (100.0, "%")}).get(unit, (1.0, unit))
+
+
+def _with_all(chain: Sequence[str], blocks: Iterable[str]) -> list[str]:
+    """Return a chain with some more blocks: hoses lie behind the valve, transducers at the end."""
+    found = list(chain)
+    for block in blocks:
+        if block not in found:
+            behind_valve = block == "lines" and "valve.flow" in found
+            found.insert(found.index("valve.flow") + 1 if behind_valve else len(found), block)
+    return found
+
+
 def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
     from matplotlib.patches import FancyBboxPatch
 
     share = {entry["block"]: entry["share"] for entry in answer["located"]}
-    chain = [*_CHAINS[kind], *(block for block in share if block not in _CHAINS[kind])]
+    chain = _with_all(_CHAINS[kind], share)
     ends = {"circuit": ("input", "output")}.get(kind, ("", ""))
     for place, block in enumerate(chain):
         guilty = share.get(block, 0.0)
@@ -225,7 +233,7 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
 
 
 def _table(axes: Any, found: Unexplained) -> None:
-    scale, unit = _DISPLAY.get(found.table.unit_of_quantity, (1.0, found.table.unit_of_quantity))
+    scale, unit = _shown(found.table.unit_of_quantity)
     knots = found.knots * scale
     axes.axhline(0.0, color="#8a8f94", lw=0.8)
     axes.plot(knots, smoothed(found.knots, found.values, found.spread), color=REPAIRED, lw=2.0)
@@ -238,7 +246,7 @@ def _table(axes: Any, found: Unexplained) -> None:
 
 def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None:
     search = diagnosis.search
-    scale, unit = _DISPLAY[diagnosis.model.unit]
+    scale, unit = _shown(diagnosis.model.unit)
     if search.model.steady:
         # Several channels, each in units of its noise.
         scale, unit = 1.0, "noise"

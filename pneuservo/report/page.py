@@ -6,7 +6,7 @@ from typing import Any
 from pneuservo.diagnosis import Diagnosis
 from pneuservo.report.diagnosis_figures import diagnosis_figures
 from pneuservo.report.sessions import between_sessions_in_words
-from pneuservo.report.words import headline, quantity
+from pneuservo.report.words import farthest_off, headline, quantity
 
 
 def render(template: str, **content: Any) -> str:
@@ -44,10 +44,11 @@ def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     """
     remark = ""
     if diagnosis.structure_remains and diagnosis.verdict != "unexplained":
-        ratio = diagnosis.search.chosen.rms / diagnosis.search.noise_rms
+        channel, fit = farthest_off(answer["fit"]["channels"])
+        ratio = fit["after"]["used"] / fit["noise_rms"]
         remark = (
-            f"What is left is {ratio:.3g} times the noise and not random: "
-            "something smaller is still missing."
+            f"What is left of the {channel.replace('_', ' ')} is {ratio:.3g} times its noise and "
+            "not random: something else is missing, too."
         )
     return {
         "answer": answer,

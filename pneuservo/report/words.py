@@ -3,8 +3,7 @@
 import math
 from typing import Any
 
-# For people: SI unit to scale and unit.
-_UNITS = {
+UNITS = {
     "Pa": (1e-5, "bar"),
     "Pa/s": (1e-2, "mbar/s"),
     "m**2": (1e6, "mm²"),
@@ -14,6 +13,7 @@ _UNITS = {
     "m/s": (1e3, "mm/s"),
     "": (1.0, ""),
 }
+"""What people use in place of a unit of the SI: its scale and its name."""
 
 _LIKELY = 0.5
 """Below this probability an effect is only claimed as one of its class."""
@@ -49,7 +49,7 @@ def quantity(value: float | None, unit: str, step: float = 0.0) -> str:
     """
     if value is None or not math.isfinite(value):
         return "–"
-    scale, name = _UNITS.get(unit, (1.0, unit.replace("**2", "²").replace("**3", "³")))
+    scale, name = UNITS.get(unit, (1.0, unit.replace("**2", "²").replace("**3", "³")))
     digits = 3
     if value and step and math.isfinite(step):
         digits = max(digits, _magnitude(value) - _magnitude(step) + 2)
@@ -92,13 +92,15 @@ def _answered(answer: dict[str, Any]) -> str:
         )
     if answer["verdict"] == "parameter":
         names = ", ".join(answer["corrected_parameters"]) or "a parameter"
-        return f"A parameter is off ({names}), no physics is missing: {change}."
+        return f"A parameter is off ({names}), and no effect explains more: {change}."
     if answer["verdict"] == "unexplained":
-        channel, left = _farthest_off(answer["fit"]["channels"])
+        channel, left = farthest_off(answer["fit"]["channels"])
         much = quantity(left["after"]["used"], left["unit"])
         name = channel.replace("_", " ")
         return f"{answer['missing'][0]['statement']} What is left of the {name} is {much}."
-    statements = " ".join(_claim(entry) for entry in answer["missing"])
+    # What has no name is said last: it is what is left beside the names.
+    named = sorted(answer["missing"], key=lambda entry: entry["effect"] == "unexplained")
+    statements = " ".join(_claim(entry) for entry in named)
     return f"{statements} With that in the model {change}."
 
 
@@ -110,8 +112,14 @@ def _most_improved(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     )
 
 
-def _farthest_off(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-    """Return the channel of which most is left, in its noise, and its figures."""
+def farthest_off(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return the channel of which most is left, in its noise, and its figures.
+
+    Parameters
+    ----------
+    channels : dict
+        Of the answer's ``fit``.
+    """
     return max(
         channels.items(),
         key=lambda item: item[1]["after"]["used"] / max(item[1]["noise_rms"], 1e-300),
@@ -129,20 +137,30 @@ def _not_predicted(channels: dict[str, Any]) -> str:
     if not worst or worse[worst] <= _STANDS_OUT:
         return ""
     left = quantity(channels[worst]["after"]["held_back"], channels[worst]["unit"])
-    return (
+    words = (
         f" What was held back is not predicted as well: {left} of the {worst.replace('_', ' ')} "
-        f"are left there, {worse[worst]:.2g} times as much. Something is different there, or "
-        "shows that does not in the others."
+        f"are left there, {worse[worst]:.2g} times as much"
     )
+    fit = channels[worst]
+    if fit["after"]["used"] < fit["before"]["used"] and _as_much(fit):
+        return f"{words}, by the baseline too: what was found is not why."
+    return f"{words}. Something is different there, or shows that does not in the others."
+
+
+def _as_much(fit: dict[str, Any]) -> bool:
+    """Return whether the baseline leaves as much of a channel that was held back."""
+    return bool(fit["after"]["held_back"] > fit["before"]["held_back"] / _STANDS_OUT)
 
 
 def _claim(entry: dict[str, Any]) -> str:
     """Return what is claimed of one effect: no more than its class when that is all there is."""
-    if entry["probability"] >= _LIKELY or len(entry["class"]) == 1:
+    if entry["probability"] >= _LIKELY or entry["effect"] == "unexplained":
         return str(entry["statement"])
     physics, _, _ = entry["statement"].partition(";")
-    rivals = ", ".join(entry["class"][1:])
+    physics = f"{physics[0].lower()}{physics[1:]}".rstrip(".")
+    rivals = [name for name in entry["class"] if name != entry["effect"]]
+    if not rivals:
+        return f"It may be that {physics}, but more likely that only stands in for something else."
     return (
-        f"It looks as if {physics[0].lower()}{physics[1:]}, "
-        f"but these recordings cannot tell that from {rivals}."
+        f"It looks as if {physics}, but these recordings cannot tell that from {', '.join(rivals)}."
     )

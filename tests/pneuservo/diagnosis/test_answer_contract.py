@@ -245,3 +245,33 @@ def test_what_is_named_beside_is_not_in_the_place_of_another():
     assert alone["class"] == ["friction.speed-curve", "friction.position"]
     assert [other["effect"] for other in alone["alternatives"]] == ["friction.position"]
     assert len(entry["class"]) == 3
+
+
+def test_beside_a_wrong_parameter_something_without_a_name_is_listed():
+    recordings = truth_seal_tester.recordings(
+        1,
+        truth_seal_tester.drive(),
+        extra=lambda position, speed, gauge, time: (
+            0.21 * truth_seal_tester.AREA * gauge
+            + 8.0 * np.cos(np.pi * truth_seal_tester.place(position))
+        ),
+    )
+    answer = document(diagnose(recordings))
+    assert answer["verdict"] == "parameter"
+    assert set(answer["corrected_parameters"]) == {"piston.diameter"}
+    assert [entry["effect"] for entry in answer["missing"]] == ["unexplained"]
+
+
+def test_a_parameter_out_of_its_tolerance_is_named_though_it_hardly_explains_more():
+    # 1.5 % of the diameter are three of its tolerances; nothing is left of them in the forces.
+    recordings = truth_seal_tester.recordings(
+        1,
+        truth_seal_tester.drive(),
+        extra=lambda position, speed, gauge, time: (
+            (1.015**2 - 1.0) * truth_seal_tester.AREA * gauge
+        ),
+    )
+    answer = document(diagnose(recordings))
+    assert answer["verdict"] == "parameter"
+    found = answer["corrected_parameters"]["piston.diameter"]
+    assert found["low"] < 1.015 * 0.025 < found["high"]

@@ -37,3 +37,13 @@ def test_interrupted_among_the_first_candidates_it_knows_the_baseline():
 def test_interrupted_before_the_baseline_there_is_no_answer():
     with pytest.raises(KeyboardInterrupt):
         diagnose([leaking_volume()], progress=stop_at("the baseline"))
+
+
+@pytest.mark.parametrize("moment", ["how far the sizes", "predicting what was held back"])
+def test_interrupted_after_the_search_it_answers_with_all_that_was_found(moment):
+    found = diagnose([leaking_volume(1)], [leaking_volume(2)], progress=stop_at(moment))
+    answer = document(found)
+    assert answer["partial"] is True
+    assert answer["verdict"] == "missing-physics"
+    left = answer["fit"]["channels"]["dead_volume_pressure"]["after"]
+    assert left["held_back"] is None or "sizes" in moment

@@ -64,7 +64,6 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
     monkeypatch, wrong, leaving_noise, named
 ):
     monkeypatch.setattr(search, "out_of_tolerance", lambda found: wrong[len(found.members) :])
-    monkeypatch.setattr(search, "leaves_noise", lambda cases, found: found.last in leaving_noise)
 
     class Named(search.Search):
         @property
@@ -73,6 +72,9 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
 
         def ended(self, hypothesis):
             return fitted(hypothesis.members)
+
+        def leaves_noise(self, found):
+            return found.last in leaving_noise
 
     def fitted(members):
         last = members[-1].removeprefix("param.") if members else ""

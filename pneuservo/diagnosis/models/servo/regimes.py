@@ -51,16 +51,16 @@ def regimes_of(feed: Feed, rig: Rig) -> dict[str, NDArray[np.bool_]]:
         "with the valve near null": opening < NEAR_NULL,
         "at small openings": opening < SMALL,
         "at large openings": opening > 0.5,
-        "just after a jump of the command": _after_jumps(feed),
+        "just after a jump of the command": _after_jumps(feed, JUMP * rig["valve.full_voltage"]),
         "at pressures near the supply": np.max(ratio, axis=0) > 0.9,
         "at low chamber pressure": np.min(ratio, axis=0) < 0.4,
         "in the last third of the recording": elapsed > elapsed[-1] * 2.0 / 3.0,
     }
 
 
-def _after_jumps(feed: Feed) -> NDArray[np.bool_]:
+def _after_jumps(feed: Feed, jump: float) -> NDArray[np.bool_]:
     steps = np.abs(np.diff(feed.voltage, prepend=feed.voltage[0]))
-    moments = feed.time[steps > JUMP * max(float(np.max(np.abs(feed.voltage))), 1e-9)]
+    moments = feed.time[steps > jump]
     if not len(moments):
         return np.zeros(len(feed.time), dtype=bool)
     last = np.searchsorted(moments, feed.time, side="right") - 1

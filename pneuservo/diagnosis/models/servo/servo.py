@@ -136,8 +136,11 @@ class ServoModel(Model):
         return found
 
     def completed(self, recording: Recording, rig: Rig) -> Recording:
-        """Return a recording whose command and displacement may be those of the card's taps."""
-        return with_stand_ins(recording, rig)
+        """Return a recording whose command and displacement may be those of the card's taps.
+
+        What changes in the course of a recording counts from where that begins.
+        """
+        return with_stand_ins(recording.from_its_start(), rig)
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
