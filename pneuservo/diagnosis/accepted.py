@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, noise_level
 from pneuservo.diagnosis.problem import values_in_each
-from pneuservo.diagnosis.strained import leaves_noise
+from pneuservo.diagnosis.strained import are_judged, leaves_noise
 from pneuservo.effects import CATALOGUE, effect_by_id
 
 
@@ -81,9 +81,22 @@ class Accepted(Hypotheses):
         found : Fit
             Of one of the hypotheses.
         """
-        # Recordings of a steady model are in units of their noise.
-        noise = [1.0] * len(self.cases) if self.model.steady else self.noise
-        return leaves_noise(self.cases, found, noise)
+        return leaves_noise(self.cases, found, self.unit_of_noise)
+
+    @property
+    def unit_of_noise(self) -> list[float]:
+        """Return the noise of each case; recordings of a steady model are in units of theirs."""
+        return [1.0] * len(self.cases) if self.model.steady else self.noise
+
+    def are_judged(self, found: Fit) -> bool:
+        """Return whether a fit leaves no channel so far below its noise that it only follows it.
+
+        Parameters
+        ----------
+        found : Fit
+            Of one of the hypotheses.
+        """
+        return are_judged(self.cases, found, self.unit_of_noise)
 
     def unexplained_share(self, found: Fit) -> float:
         """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""
@@ -100,7 +113,7 @@ class Accepted(Hypotheses):
         return max(0.0, found.samples * found.rms**2 - noise)
 
     def block_of(self, member: str) -> str:
-        """Return the block of an effect, or of a loosened parameter: its id less the last part.
+        """Return the block of an effect, or of a loosened parameter: mostly its id less the last part.
 
         Parameters
         ----------
@@ -108,7 +121,8 @@ class Accepted(Hypotheses):
             Id of an effect, or a ``param.`` id.
         """
         if member not in CATALOGUE:
-            return member.removeprefix("param.").rpartition(".")[0] or self.model.block
+            head = member.removeprefix("param.").rpartition(".")[0]
+            return self.model.blocks.get(head, head)
         chosen, first = self.chosen, self.cases[0]
         values = values_in_each(self.cases, first, chosen.shared, chosen.own)
         return self.model.block_of(effect_by_id(member, self.model.kind), self.cases, values)

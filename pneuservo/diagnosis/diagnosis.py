@@ -141,7 +141,7 @@ class Diagnosis:
         """Return how many times its noise each recorded channel is left at."""
         search = self.search
         noise: dict[str, list[float]] = {}
-        for case, level in zip(search.cases, search.noise, strict=True):
+        for case, level in zip(search.cases, search.unit_of_noise, strict=True):
             if case.recorded:
                 noise.setdefault(case.channel, []).append(level)
         return {

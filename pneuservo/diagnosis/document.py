@@ -125,14 +125,14 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         if key in chosen.shared:
             parameters[key] = {
                 "value": chosen.shared[key],
-                "unit": parameter.unit,
+                "unit": written(parameter.unit),
                 "low": chosen.intervals[key][0],
                 "high": chosen.intervals[key][1],
                 "nominal": _nominal(diagnosis, key),
                 "source": "fitted by the diagnosis",
             }
         elif parameter.value != built_in[key]:
-            parameters[key] = {"value": parameter.value, "unit": parameter.unit}
+            parameters[key] = {"value": parameter.value, "unit": written(parameter.unit)}
     effects: dict[str, Any] = {
         effect: {name: {"value": value} for name, value in values.items()}
         for effect, values in rig.effects.items()
@@ -152,6 +152,22 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         **({"transducers": transducers} if transducers else {}),
         "diagnosis": {"verdict": diagnosis.verdict} | _session(diagnosis.search),
     }
+
+
+def written(unit: str) -> str:
+    """Return a unit as the answer spells it.
+
+    Parameters
+    ----------
+    unit : str
+        SI, as the catalogue spells it.
+
+    Examples
+    --------
+    >>> written("kg/(s*Pa**2)")
+    'kg/(s*Pa^2)'
+    """
+    return unit.replace("**", "^")
 
 
 def _nominal(diagnosis: Diagnosis, key: str) -> float:
@@ -181,7 +197,7 @@ def _parameters(diagnosis: Diagnosis, member: str) -> dict[str, dict[str, Any]]:
         low, high = chosen.intervals[key]
         found[parameter.name] = {
             "value": chosen.shared[key],
-            "unit": parameter.unit,
+            "unit": written(parameter.unit),
             "low": low,
             "high": high,
         }
@@ -193,7 +209,7 @@ def _derived(diagnosis: Diagnosis, member: str) -> dict[str, dict[str, Any]]:
     case = diagnosis.search.cases[0]
     for name, (unit, follows) in diagnosis.model.derived(case, member).items():
         value, low, high = diagnosis.repaired.interval_of(follows)
-        found[name] = {"value": value, "unit": unit, "low": low, "high": high}
+        found[name] = {"value": value, "unit": written(unit), "low": low, "high": high}
     return found
 
 
@@ -319,7 +335,7 @@ def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
         if moved and not parameter.free and not low <= parameter.value <= high:
             corrected[key] = {
                 "value": chosen.shared[key],
-                "unit": parameter.unit,
+                "unit": written(parameter.unit),
                 "low": low,
                 "high": high,
             }
@@ -351,7 +367,7 @@ def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
         "channels": {
             channel: {
                 "noise_rms": _rms_in(channel, noise, search.cases),
-                "unit": unit,
+                "unit": written(unit),
                 "before": {
                     "used": _rms_in(channel, search.baseline.residuals, search.cases),
                     "held_back": _held_back(channel, diagnosis.before_held_back, held_back),

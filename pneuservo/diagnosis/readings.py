@@ -77,8 +77,9 @@ def _with_mixtures(
 ) -> tuple[list[Cases], list[Fit], list[dict[int, float]]]:
     """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
 
-    Each recording in its likeliest way first; then the likeliest of all, one recording turned at a
-    time: beside a relay that was read wrongly a proportional loop seemed likelier read wrongly too.
+    Each recording in its likeliest way first; then the likeliest of all, one recording at a time
+    turned to its second: beside a relay that was read wrongly a proportional loop seemed likelier
+    read wrongly too.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
@@ -93,10 +94,14 @@ def _with_mixtures(
 
     try_as_well(likeliest_of_each(ways, unlikely))
     for recording in unlikely[0]:
-        for n in range(len(readings)):
-            best = _likeliest(unlikely)
-            if unlikely[n][recording] < _NOT_HOPELESS * unlikely[best][recording]:
-                try_as_well(_turned(ways[best], ways[n], recording))
+        best = _likeliest(unlikely)
+        mine = _of(ways[best], recording)
+        others = [
+            way for way in range(len(readings)) if not are_the_same(_of(ways[way], recording), mine)
+        ]
+        other = min(others, key=lambda way: unlikely[way][recording], default=best)
+        if unlikely[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
+            try_as_well(_turned(ways[best], ways[other], recording))
     return ways, fits, unlikely
 
 
@@ -107,10 +112,14 @@ def _likeliest(unlikely: Sequence[Mapping[int, float]]) -> int:
 
 def _turned(cases: Cases, other: Cases, recording: int) -> list[Case]:
     """Return cases with one recording's in another way."""
-    mine = [case for case in other if id(case.origin) == recording]
     first = next(i for i, case in enumerate(cases) if id(case.origin) == recording)
     rest = [case for case in cases if id(case.origin) != recording]
-    return [*rest[:first], *mine, *rest[first:]]
+    return [*rest[:first], *_of(other, recording), *rest[first:]]
+
+
+def _of(cases: Cases, recording: int) -> list[Case]:
+    """Return the cases of one recording."""
+    return [case for case in cases if id(case.origin) == recording]
 
 
 def likelier_with(

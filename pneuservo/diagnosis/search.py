@@ -170,7 +170,8 @@ class Search(Rivals):
         They cost little to explain recordings with, so that setting them free hardly explains more.
         None is named where there are many, or where one of them cannot be it.
         """
-        if self.accepted or not self.leaves_noise(self.chosen):
+        chosen = self.chosen
+        if self.accepted or not self.leaves_noise(chosen) or not self.are_judged(chosen):
             return
         while wrong := out_of_tolerance(self.chosen):
             current, name = self.chosen, f"param.{wrong[0]}"

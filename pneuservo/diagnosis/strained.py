@@ -22,6 +22,11 @@ LEAVES_NOISE = 1.15
 """Times its noise, which is known to a tenth, that a channel of a recording is left at where
 nothing else is wrong. (Of a relay at 180 Hz that was sampled at 500 Hz nobody knows what its
 command was: left at 1.45, three right parameters were called wrong.)"""
+FOLLOWED = 0.75
+"""Times its noise below which a channel was followed more than judged: of a card that chatters at
+half the sampling rate, what its command did between samples is not known, pressures were left at
+0.6, and six right parameters called wrong. (Where one was wrong, channels were left at 0.89 and
+more.)"""
 MANY_WRONG = 3
 """So many parameters of one rig are hardly wrong at once: they make up for something else. (A loop
 at rest that was read wrongly had moved an index and three areas of the valve.)"""
@@ -81,7 +86,7 @@ def out_of_tolerance(found: Fit) -> list[str]:
 
 
 def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> bool:
-    """Return whether what is left of every channel of every recording is of the size of noise.
+    """Return whether what is left of every channel of every recording is no more than noise.
 
     Parameters
     ----------
@@ -94,6 +99,18 @@ def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> b
     """
     left = zip(cases, found.residuals, noise, strict=True)
     return all(rms([r]) < LEAVES_NOISE * size for case, r, size in left if case.recorded)
+
+
+def are_judged(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> bool:
+    """Return whether every channel of every recording is judged and not only followed.
+
+    Parameters
+    ----------
+    cases, found, noise
+        As for `leaves_noise`.
+    """
+    left = zip(cases, found.residuals, noise, strict=True)
+    return all(rms([r]) > FOLLOWED * size for case, r, size in left if case.recorded)
 
 
 def _from_nominal(found: Fit) -> dict[str, float]:

@@ -24,7 +24,7 @@ PRESSURE_GAIN = Effect(
 )
 FORCE_GAIN = Effect(
     id="sensor.force-gain",
-    block="sensor.force",
+    block="load",  # where the cell stands
     rigs=("seal-tester",),
     statement="The load cell reads a factor off; the model takes it as true.",
     equation="F_measured = (1 + gain) F",

@@ -79,7 +79,15 @@ DELAY = Effect(
     equation="xs(t) = G(s) u(t - time)/5 V",
     parameters=(
         EffectParameter(
-            "time", "s", 0.0, 0.0, 5e-3, (5e-4, 1.5e-3), "time before it answers", "spool.delay"
+            "time",
+            "s",
+            0.0,
+            0.0,
+            5e-3,
+            (5e-4, 1.5e-3),
+            "time before it answers",
+            "spool.delay",
+            least=5e-5,  # converters put out that much after they have sampled
         ),
     ),
     source="valve data sheet: below 1 ms",

@@ -18,7 +18,7 @@ _CLOSE = 5.0
 """Residuals within this factor of the noise are drawn on a linear axis."""
 _CHAINS = {
     "dead-volume": ("supply", "valve.flow", "dead-volume", "sensor.pressure"),
-    "seal-tester": ("chamber.a", "piston", "load", "sensor.force"),
+    "seal-tester": ("chamber.a", "piston", "load"),
     "circuit": ("circuit",),
     "analogue-card": ("card.differentiator", "card.surface", "card.boundary-layer", "card.relay"),
     "single-axis": (

@@ -49,6 +49,7 @@ def quantity(value: float | None, unit: str, step: float = 0.0) -> str:
     """
     if value is None or not math.isfinite(value):
         return "–"
+    unit = unit.replace("^", "**")
     scale, name = UNITS.get(unit, (1.0, unit.replace("**2", "²").replace("**3", "³")))
     digits = 3
     if value and step and math.isfinite(step):

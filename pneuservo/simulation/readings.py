@@ -22,7 +22,7 @@ class Noise:
     Parameters
     ----------
     displacement : (n,) array
-        Of the displacement transducer; each value holds until the next time [m].
+        Of the displacement transducer [m].
     pressure_a, pressure_b : (n,) array
         Of the pressure transducers; a test volume has the first [Pa].
     """
@@ -73,6 +73,48 @@ def draw_noise(rig: Rig, length: int, seed: Seed) -> Noise:
             for stream, deviation in zip(streams, (displacement, pressure, pressure), strict=True)
         )
     )
+
+
+def in_parts(time: Samples, parts: int) -> Samples:
+    """Return times with every interval divided into equal parts.
+
+    Examples
+    --------
+    >>> in_parts(np.array([0.0, 1.0, 3.0]), 2).tolist()
+    [0.0, 0.5, 1.0, 2.0, 3.0]
+    """
+    steps = np.arange(parts) / parts
+    inside = time[:-1, np.newaxis] + np.diff(time)[:, np.newaxis] * steps
+    return np.append(inside.ravel(), time[-1])
+
+
+def smooth_noise(time: Samples, noise: Samples, finer: Samples) -> Samples:
+    """Return the noise of a transducer between its samples, as a loop hears it.
+
+    Parameters
+    ----------
+    time, noise : (n,) array
+        [s] and of the transducer.
+    finer : (m,) array
+        Times of which those are every so many [s].
+
+    Notes
+    -----
+    A cubic spline: its bandwidth is half the sampling rate. Noise that stood still from sample to
+    sample, or had a kink at each, would jump at the very moments at which it is recorded, and so
+    would all that differentiators make of it.
+
+    Examples
+    --------
+    >>> time = np.arange(5.0)
+    >>> smooth_noise(time, time**2, np.array([0.0, 0.5, 4.0])).tolist()
+    [0.0, 0.25, 16.0]
+    """
+    from scipy.interpolate import CubicSpline
+
+    if len(time) == len(finer):
+        return noise
+    return np.asarray(CubicSpline(time, noise)(finer))
 
 
 def within_range(reading: Samples, transducer: Transducer) -> Samples:

@@ -90,7 +90,7 @@ def simulate(
     fall between steps.
     With effects `pneuservo.plant.servo` takes over, and the channels are what transducers read. The
     controller hears the displacement that is recorded, but for wiper play and resolution, with a
-    noise that holds from time to time: its bandwidth is that of the times.
+    noise that runs on smoothly from time to time: its bandwidth is half their rate.
 
     Examples
     --------

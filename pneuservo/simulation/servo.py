@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from analog_card.behaviour import CardBehaviour
 from pneuservo.effects.servo import servo_effects
-from pneuservo.plant.control_law import OPEN_LOOP, ControlLaw
+from pneuservo.plant.control_law import HELD_VOLTAGE, OPEN_LOOP, ControlLaw
 from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.behavioural_card import run_servo_with_card
@@ -36,9 +36,20 @@ from pneuservo.rigs import Rig
 from pneuservo.simulation.behavioural_card import SteppedCard, stepped_card
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import Driven
-from pneuservo.simulation.readings import EXACT, Noise, Seed, draw_noise, within_range
+from pneuservo.simulation.readings import (
+    EXACT,
+    Noise,
+    Seed,
+    draw_noise,
+    in_parts,
+    smooth_noise,
+    within_range,
+)
 
 Samples = NDArray[np.float64]
+
+_LEAST_PARTS = 4
+"""Straight parts of an interval that noise between its samples is followed in."""
 
 
 def run_with_effects(
@@ -93,26 +104,38 @@ def run_with_effects(
     if supply is None:
         supply = np.full(len(driven.time), plant.supply_pressure)
         supply = drifting_supply(driven.time, supply, effects.unexplained_drift)
+    hears = law.source != HELD_VOLTAGE and bool(noise.displacement.any())
+    parts = _parts(driven.time, largest_step) if hears else 1
+    finer = in_parts(driven.time, parts)
+    held = np.minimum(np.arange(len(finer)) // parts, len(driven.time) - 1)
     place = rest if initial.displacement is None else initial.displacement
     own = float(driven.force[0]) + resting_force(place, plant, effects)
     inputs = servo_inputs(
-        driven.time,
-        supply,
-        command=driven.held,
-        external_force=driven.force,
-        displacement_noise=noise.displacement,
+        finer,
+        np.interp(finer, driven.time, supply),
+        command=driven.held[held],
+        external_force=driven.force[held],
+        displacement_noise=smooth_noise(driven.time, noise.displacement, finer),
     )
     state = servo_state(initial.state(plant, rest, own), servo, float(supply[0]))
     grid = valve_grid(rig.valve)
     if behaviour is None:
         out = run_servo(inputs, state, servo, grid, largest_step)
     else:
-        card = stepped_card(driven.time, behaviour, law.sensitivity, largest_step)
+        card = stepped_card(finer, behaviour, law.sensitivity, largest_step)
         out = _run_beside_card(inputs, state, card, servo, grid)
+    out = out[::parts]
     columns = dict(zip(layout.OUTPUTS, out.T, strict=True))
     finite: NDArray[np.bool_] = np.isfinite(out[:, :6]).all(axis=1)
     finite &= (columns["pressure_a"] > 0.0) & (columns["pressure_b"] > 0.0)
     return _read(columns, rig, driven, noise, effects, plant), finite
+
+
+def _parts(time: Samples, largest_step: float) -> int:
+    """Return into how many parts intervals are divided for the noise that a loop hears."""
+    if len(time) < 2:
+        return 1
+    return max(_LEAST_PARTS, round(float(np.median(np.diff(time))) / largest_step))
 
 
 def _run_beside_card(

@@ -38,7 +38,7 @@ def test_a_continuous_controller_sampled_at_a_kilohertz_is_consistent(position, 
 @pytest.mark.parametrize("name", ["closed-loop", "closed-loop-phi5", "open-loop"])
 def test_without_any_noise_innovations_are_smaller_than_any_transducer_resolves(name):
     rig, model = load_rig("single-axis"), ServoModel()
-    running, held = model.readings(model.cases(recorded(name), rig))
+    running, held, *_ = model.readings(model.cases(recorded(name), rig))
     # Open-loop voltages are held; the golden controller is continuous.
     for case in held if name == "open-loop" else running:
         if case.recorded:

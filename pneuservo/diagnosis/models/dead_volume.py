@@ -1,6 +1,6 @@
 """A closed test volume: behind one valve port, or left alone."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -39,6 +39,7 @@ class DeadVolumeModel(Model):
     channel: ClassVar[str] = "dead_volume_pressure"
     unit: ClassVar[str] = "Pa"
     block: ClassVar[str] = "dead-volume"
+    blocks: ClassVar[Mapping[str, str]] = {"ambient": "valve.flow", "": "supply"}
     required: ClassVar[tuple[str, ...]] = ("dead_volume_pressure",)
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:

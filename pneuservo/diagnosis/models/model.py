@@ -206,6 +206,8 @@ class Model:
     """Whether tables may stand for what no effect explains."""
     ridges: ClassVar[tuple[str, ...]] = ()
     """Parameters on either side of whose value a fit may come to rest."""
+    blocks: ClassVar[Mapping[str, str]] = {}
+    """Block that parameters belong to whose id begins with no block."""
     late: ClassVar[tuple[str, ...]] = ()
     """Blocks whose effects are like a command that is read in another way."""
 

@@ -1,6 +1,7 @@
 """A piston pushed by an outside drive at a held chamber pressure: the force at its rod."""
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -85,6 +86,7 @@ class SealTesterModel(Model):
     channel: ClassVar[str] = "force"
     unit: ClassVar[str] = "N"
     block: ClassVar[str] = "piston"
+    blocks: ClassVar[Mapping[str, str]] = {"ambient": "piston", "sensor.force": "load"}
     required: ClassVar[tuple[str, ...]] = ("displacement", "pressure_a", "force")
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:

@@ -14,6 +14,7 @@ from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.events import settle
 from pneuservo.plant.servo.layout import (
     COMMAND,
+    DISPLACEMENT_NOISE,
     INPUTS,
     MEMORY,
     OUTPUTS,
@@ -73,7 +74,7 @@ def run_servo_with_card(
         write_drive(inputs, k, interval, drive)
         demand = inputs[k, COMMAND]
         now = drifted(servo, inputs[k, TIME])
-        transducer = sensitivity * reading(state, 0.0, drive, now)[0]
+        transducer = sensitivity * reading(state, 0.0, drive, 0.0, now)[0]
         card_outputs(card_state, transducer, card, card_work, voltages)
         drive[0, COMMAND] = voltages[CONTROL]
         if k == 0:
@@ -90,9 +91,10 @@ def run_servo_with_card(
         for i in range(steps):
             elapsed = interval * i / steps
             second = piston_acceleration(state, modes, memory, drive, elapsed, now)
+            place, velocity, second = reading(state, second, drive, elapsed, now)
             drive[0, COMMAND] = mean_voltage(
                 card_state,
-                reading(state, second, drive, now),
+                (place, velocity + drive[1, DISPLACEMENT_NOISE], second),
                 sensitivity,
                 demand,
                 duration,

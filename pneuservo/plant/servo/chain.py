@@ -84,22 +84,23 @@ def heard(state, second, servo):
 
 
 @compiled
-def reading(state, second, drive, servo):
+def reading(state, second, drive, elapsed, servo):
     """Return what the controller reads of the motion [m], [m/s], [m/s^2].
 
     Parameters
     ----------
-    state, drive, servo
+    state, drive, elapsed, servo
         As in `derivative`.
     second : float
         Acceleration of the piston [m/s^2].
 
     Notes
     -----
-    The transducer's motion with its noise, which holds from sample to sample, inside its range.
+    The transducer's motion with its noise, which runs straight from sample to sample, inside its
+    range.
     """
     displacement, velocity, second = heard(state, second, servo)
-    noisy = displacement + drive[0, DISPLACEMENT_NOISE]
+    noisy = displacement + given(drive, DISPLACEMENT_NOISE, elapsed)
     low, high = servo.displacement_range
     if noisy < low:
         return low, 0.0, 0.0
@@ -119,7 +120,7 @@ def surface(state, modes, memory, drive, elapsed, servo):
     """
     law, demand = servo.law, given(drive, COMMAND, elapsed)
     if law.source == CARD_TAPS:
-        displacement, _, _ = reading(state, 0.0, drive, servo)
+        displacement, _, _ = reading(state, 0.0, drive, elapsed, servo)
         return switching_surface(
             law.sensitivity * (displacement - demand),
             -differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant),
@@ -127,7 +128,7 @@ def surface(state, modes, memory, drive, elapsed, servo):
             law,
         )
     second = piston_acceleration(state, modes, memory, drive, elapsed, servo)
-    displacement, velocity, second = reading(state, second, drive, servo)
+    displacement, velocity, second = reading(state, second, drive, elapsed, servo)
     return switching_surface(displacement - demand, velocity, second, law)
 
 
@@ -227,9 +228,9 @@ def write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate):
 
 
 @compiled
-def _write_card_rates(state, drive, servo, rate):
+def _write_card_rates(state, drive, elapsed, servo, rate):
     law = servo.law
-    displacement, _, _ = reading(state, 0.0, drive, servo)
+    displacement, _, _ = reading(state, 0.0, drive, elapsed, servo)
     rate[CARD_LAGGED_1], rate[CARD_DERIVATIVE_1] = differentiator_rates(
         law.sensitivity * displacement,
         state[CARD_LAGGED_1],
@@ -281,4 +282,4 @@ def derivative(state, modes, memory, rows, drive, elapsed, servo, grid, rate):
     pneumatic_rates(state, velocity, memory, rows, drive, elapsed, servo, grid, rate)
     write_spool_rates(state, modes, memory, rows, drive, elapsed, servo, rate)
     if servo.law.source == CARD_TAPS:
-        _write_card_rates(state, drive, servo, rate)
+        _write_card_rates(state, drive, elapsed, servo, rate)

@@ -19,6 +19,7 @@ from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.drive import given
 from pneuservo.plant.servo.events import margin, motion_at_start, settle
 from pneuservo.plant.servo.layout import (
+    DISPLACEMENT_NOISE,
     FLOW_A_OUT,
     FLOW_B_OUT,
     INPUTS,
@@ -240,7 +241,7 @@ def write_drive(inputs, k, interval, drive):
     for i in range(INPUTS):
         drive[0, i] = inputs[k, i]
         drive[1, i] = 0.0
-        if i in (SUPPLY, TIME) and interval > 0.0:
+        if i in (SUPPLY, DISPLACEMENT_NOISE, TIME) and interval > 0.0:
             drive[1, i] = (inputs[following, i] - inputs[k, i]) / interval
 
 
@@ -281,8 +282,8 @@ def run_servo(inputs, initial_state, servo, grid, largest_step):
     Parameters
     ----------
     inputs : (n, 5) array
-        Columns as in `layout`; the last is the time, strictly increasing [s]. Command, external
-        force and noise hold until the next row, the supply runs straight to it.
+        Columns as in `layout`; the last is the time, strictly increasing [s]. Command and external
+        force hold until the next row, supply and noise run straight to it.
     initial_state : (6,) or (27,) array
         In SI; six when no effect and no card has a state of its own.
     servo, grid

@@ -10,10 +10,28 @@ import truth_dead_volume
 import truth_seal_tester
 
 from pneuservo.diagnosis import diagnose, document, repaired_model
-from pneuservo.diagnosis.document import apart_from
+from pneuservo.diagnosis.document import apart_from, written
 from pneuservo.effects import CATALOGUE
 from pneuservo.rigs import load_rig
 
+BLOCKS = {
+    "valve.spool",
+    "valve.flow",
+    "supply",
+    "lines",
+    "chamber.a",
+    "chamber.b",
+    "piston",
+    "load",
+    "sensor.displacement",
+    "sensor.pressure",
+    "card.differentiator",
+    "card.surface",
+    "card.boundary-layer",
+    "card.relay",
+    "dead-volume",
+    "circuit",
+}
 VERDICTS = ("consistent", "parameter", "missing-physics", "unexplained")
 
 
@@ -104,6 +122,13 @@ def test_the_keys_are_those_of_the_contract(found):
         assert set(channel["before"]) == set(channel["after"]) == {"used", "held_back"}
 
 
+def test_blocks_are_those_of_the_contract(found):
+    _, diagnosis, answer = found
+    blocks = [entry["block"] for entry in (*answer["located"], *answer["missing"])]
+    blocks += [diagnosis.search.block_of(name) for name in diagnosis.search.candidates]
+    assert set(blocks) <= BLOCKS
+
+
 def test_it_is_json_without_infinities(found):
     _, _, answer = found
     assert json.loads(json.dumps(answer, allow_nan=False)) == answer
@@ -165,7 +190,7 @@ def test_texts_and_units_come_from_the_catalogue(found):
         assert (entry["block"], entry["statement"]) == (effect.block, effect.statement)
         assert entry["equation"] == effect.equation
         for parameter in effect.parameters:
-            assert entry["parameters"][parameter.name]["unit"] == parameter.unit
+            assert entry["parameters"][parameter.name]["unit"] == written(parameter.unit)
 
 
 def test_what_is_not_visible_is_not_named(found):

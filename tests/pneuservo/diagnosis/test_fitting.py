@@ -115,7 +115,7 @@ def test_a_fit_finds_the_side_of_a_ridge_that_the_recording_is_on():
     start = InitialState(0.5 * rig["piston.stroke"])
     run = simulate(calmer, time=time, command=voltage, initial=start)
     model = model_of(rig.kind)
-    _, held = model.readings(model.cases(noisy(run, rng), rig))
+    _, held, *_ = model.readings(model.cases(noisy(run, rng), rig))
     found = beyond_ridges(model, held, fit(model, held, Hypothesis()))
     assert found.shared[key] == pytest.approx(calmer[key], rel=0.02)
     assert found.rms < 1.05

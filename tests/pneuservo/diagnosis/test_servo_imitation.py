@@ -42,7 +42,7 @@ def settling(rig):
 @pytest.mark.parametrize("make", [held, running_on, settling], ids=lambda make: make.__name__)
 def test_an_imitation_leaves_what_the_recording_of_a_perfect_model_does(make, rig):
     model = ServoModel()
-    running, holding = model.readings(model.cases(make(rig), rig))
+    running, holding, *_ = model.readings(model.cases(make(rig), rig))
     cases = holding if make is held else running
     copies = model.imitate(cases, [{} for _ in cases], np.random.default_rng(1))
     for case, copy in zip(cases, copies, strict=True):

@@ -44,6 +44,9 @@ class Feed:
         What a linear loop adds to the command per metre of it; 0 where it does not tell [V/m].
     in_steps : bool
         Whether the set point stays as it is from sample to sample.
+    heard : (n,) array
+        What noise of the displacement that a loop hears for an interval adds to the command of
+        that; empty where it is not taken to [V].
     reading : (n,) array
         Displacement as measured; NaN where there is none [m].
     motion : (3, n) array
@@ -127,6 +130,7 @@ class Feed:
     unsteadiness: float = 1.0
     turning_unsteadiness: float = 1.0
     in_steps: bool = False
+    heard: Array = field(default_factory=lambda: np.empty(0), repr=False)
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     spool_shares: Array = field(default_factory=lambda: np.empty(0), repr=False)

@@ -16,6 +16,7 @@ from pneuservo.diagnosis.noise import wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
+from pneuservo.simulation.readings import in_parts
 
 _STEP = 1e-4
 """Integration step [s]."""
@@ -108,7 +109,7 @@ def _kept_to_the_path(
     if fed.ramped:
         held = as_it_may_have_been(fed.command, fed.voltage, rng)
     parts = held.shape[1]
-    time, held = _divided(fed.time, parts), held.ravel()[: (len(fed.time) - 1) * parts + 1]
+    time, held = in_parts(fed.time, parts), held.ravel()[: (len(fed.time) - 1) * parts + 1]
     run = simulate(
         rig,
         time=time,
@@ -126,13 +127,6 @@ def _kept_to_the_path(
         moved = np.diff(found["displacement"], append=found["displacement"][-1])
         added -= 0.5 * slope * moved
     return found, fed.voltage + added
-
-
-def _divided(time: Array, parts: int) -> Array:
-    """Return moments that divide each interval into equal parts."""
-    steps = np.arange(parts) / parts
-    inside = time[:-1, np.newaxis] + np.diff(time)[:, np.newaxis] * steps
-    return np.append(inside.ravel(), time[-1])
 
 
 def _start(fed: Feed, rig: Rig) -> InitialState:

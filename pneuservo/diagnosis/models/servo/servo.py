@@ -1,6 +1,6 @@
 """The single-axis servo, followed by an observer from command and measurements."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -19,8 +19,12 @@ from pneuservo.diagnosis.models.model import (
     are_the_same,
 )
 from pneuservo.diagnosis.models.servo.between_samples import (
+    tells_noise,
     tells_set_point,
+    with_command_of_before,
+    with_heard_noise,
     with_held_command,
+    with_noise_that_runs_on,
     with_running_command,
     with_set_point_in_steps,
 )
@@ -103,6 +107,12 @@ class ServoModel(Model):
     channel: ClassVar[str] = "displacement"
     unit: ClassVar[str] = "m"
     block: ClassVar[str] = "piston"
+    # The air outside is what the exhaust edges blow into, that inside of both chambers one gas.
+    blocks: ClassVar[Mapping[str, str]] = {
+        "ambient": "valve.flow",
+        "chamber": "chamber.a",
+        "": "supply",
+    }
     required: ClassVar[tuple[str, ...]] = (
         "valve_voltage",
         "displacement",
@@ -200,12 +210,21 @@ class ServoModel(Model):
     def readings(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with a command that runs on and with one that is held.
 
-        A controller that samples holds its command; an analogue one, or a recorder, does not. One
-        whose set point comes from a converter jumps with that, and runs on in between.
+        A controller that samples holds its command, and a recorder sees what it holds from then on
+        or what it has held until then; an analogue one, or a generator, does not hold it. One
+        whose set point comes from a converter jumps with that, and runs on in between; so does one
+        that hears the noise of a transducer which is sampled.
         """
-        ways = [list(cases), self._otherwise(cases, with_held_command)]
+        ways = [
+            list(cases),
+            self._otherwise(cases, with_held_command),
+            self._otherwise(cases, with_command_of_before),
+        ]
         if any(tells_set_point(case.inputs["feed"]) for case in cases):
             ways.append(self._otherwise(cases, with_set_point_in_steps, tells_set_point))
+        if any(tells_noise(case.inputs["feed"]) for case in cases):
+            ways.append(self._otherwise(cases, with_heard_noise, tells_noise))
+            ways.append(self._otherwise(cases, with_noise_that_runs_on, tells_noise))
         return compared(ways)
 
     def _otherwise(

@@ -74,7 +74,7 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
     sudden = change != 0.0 if in_steps else jumping(demand)
     if not gain:
         return AtOnce(np.zeros_like(voltage), sudden)
-    limited = _at_its_limit(voltage)
+    limited = at_its_limit(voltage)
     unknown = sudden & (limited[1:] | limited[:-1])
     known = np.where(sudden & ~unknown, gain * change, 0.0)
     return AtOnce(np.append(0.0, np.cumsum(known)), unknown)
@@ -118,7 +118,7 @@ def gain_of_set_point(time: Array, voltage: Array, demand: Array, displacement: 
     place = averaged(displacement)
     speed = np.gradient(place, time)
     reach = _PASSES * samples
-    free = ~binary_dilation(_at_its_limit(voltage), np.ones(reach + 1))
+    free = ~binary_dilation(at_its_limit(voltage), np.ones(reach + 1))
     # What lies beyond the ends is not known.
     free[:reach] = free[-reach:] = False
     averages = np.count_nonzero(free) / samples
@@ -161,7 +161,14 @@ def beside(moves: Array) -> Array:
     return np.maximum(np.append(0.0, moves[:-1]), np.append(moves[1:], 0.0))
 
 
-def _at_its_limit(voltage: Array) -> NDArray[np.bool_]:
+def at_its_limit(voltage: Array) -> NDArray[np.bool_]:
+    """Return where a command is at its limit, and stays there for some samples.
+
+    Parameters
+    ----------
+    voltage : (n,) array
+        As sampled [V].
+    """
     from scipy.ndimage import binary_opening
 
     size = np.abs(voltage)

@@ -1,0 +1,65 @@
+"""Loops that hear the noise of their transducer: how is their command read?"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pneuservo.controllers import DigitalSlidingMode, SlidingMode
+from pneuservo.diagnosis.models.servo.servo import ServoModel
+from pneuservo.diagnosis.readings import ranked_readings
+from pneuservo.recordings import Recording
+from pneuservo.rigs import Transducer, load_rig
+from pneuservo.simulation import simulate
+
+TIME = np.arange(0.0, 2.0, 1e-3)
+DEMAND = np.repeat([0.015, 0.024, 0.006, 0.015], len(TIME) // 4)
+RECORDED = ("demand", "displacement", "pressure_a", "pressure_b", "valve_voltage")
+NOISE = {"displacement": 2e-5, "pressure_a": 500.0, "pressure_b": 500.0}
+FREQUENCY = "valve.spool.frequency"
+
+
+@pytest.fixture(scope="module")
+def rig():
+    noise = {name: Transducer(noise=NOISE[key]) for name, key in TRANSDUCERS.items()}
+    return replace(load_rig("single-axis"), transducers=noise)
+
+
+TRANSDUCERS = {"displacement": "displacement", "pressure": "pressure_a"}
+
+
+def likeliest(run, rig):
+    channels = {name: run[name] for name in RECORDED}
+    cases = ServoModel().cases(Recording("run", TIME, channels, noise_rms=NOISE), rig)
+    model = ServoModel()
+    best = ranked_readings(model, model.readings(cases), lambda step: None)[0]
+    spool = best.baseline.shared[FREQUENCY]
+    assert spool == pytest.approx(rig[FREQUENCY], rel=0.05)
+    return best.cases[0].inputs["feed"]
+
+
+def test_noise_that_runs_on_between_samples(rig):
+    run = simulate(rig, time=TIME, controller=SlidingMode(), demand=DEMAND, seed=1)
+    fed = likeliest(run.channels, rig)
+    assert fed.ramped
+    assert not len(fed.heard)
+    # Of 65 mV that the loop hears nearly nothing is unknown between samples.
+    assert np.median(fed.unseen) < 0.02
+
+
+def test_noise_that_stays_from_sample_to_sample(rig):
+    noise = NOISE["displacement"] * np.random.default_rng(1).standard_normal(len(TIME))
+    quiet = replace(rig, transducers={"pressure": rig.transducers["pressure"]})
+    # A loop that hears a displacement too large wants it smaller.
+    run = simulate(quiet, time=TIME, controller=SlidingMode(), demand=DEMAND - noise, seed=1)
+    heard = run.channels | {"displacement": run["displacement"] + noise, "demand": DEMAND}
+    fed = likeliest(heard, rig)
+    assert fed.ramped
+    assert len(fed.heard)
+
+
+def test_a_command_that_a_computer_changes_just_after_it_was_recorded(rig):
+    run = simulate(rig, time=TIME, controller=DigitalSlidingMode(), demand=DEMAND, seed=1)
+    fed = likeliest(run.channels, rig)
+    assert not fed.ramped
+    np.testing.assert_array_equal(fed.voltage[:-1], run["valve_voltage"][1:])
