@@ -113,7 +113,7 @@ class Accepted(Hypotheses):
         return max(0.0, found.samples * found.rms**2 - noise)
 
     def block_of(self, member: str) -> str:
-        """Return the block of an effect, or of a loosened parameter: mostly its id less the last part.
+        """Return the block of an effect, or of a loosened parameter: its id less the last part.
 
         Parameters
         ----------
