@@ -12,10 +12,10 @@ from analog_card.design_file import design_to_toml, load_design
 from analog_card.files import write_whole
 from analog_card.tuning import read_settings
 from pneuservo.bench_tuning import BenchTuning, bench_tune
+from pneuservo.command_line.baseline_rig import baseline_rig
 from pneuservo.controllers import SlidingMode
 from pneuservo.errors import InputError
 from pneuservo.recordings import read_recording
-from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.replay import initial_state
 
 # Without a recording: the thesis' step, after a moment at rest.
@@ -69,7 +69,7 @@ def command(
         if recording is None:
             time = np.arange(0.0, _BEFORE + _HOLD, 1.0 / _RATE)
             demand = np.where(time < _BEFORE, _REST, _STEP)
-            used = require_kind(rig or "single-axis", "single-axis")
+            used = baseline_rig(rig or "single-axis")
             found = bench_tune(card, ideal, time, demand, rig=used, step=step)
         else:
             found = _from_recording(recording, card, ideal, rig, step)
@@ -89,7 +89,7 @@ def _from_recording(path: str, card: Any, ideal: SlidingMode, rig: str | None, s
             raise InputError(
                 f"{path}: there is no channel {channel}; there are: {', '.join(source.channels)}"
             )
-    used = require_kind(rig or source.rig, "single-axis").with_conditions(source.conditions)
+    used = baseline_rig(rig or source.rig).with_conditions(source.conditions)
     start = initial_state(source, used, lambda message: click.echo(f"Warning: {message}", err=True))
     return bench_tune(
         card,

@@ -8,7 +8,6 @@ import click
 
 from analog_card.console import progress
 from pneuservo.errors import InputError
-from pneuservo.rigs import BUILT_IN_RIGS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,10 +27,9 @@ Examples:
 @click.argument("effect", required=False)
 @click.option(
     "--rig",
-    type=click.Choice(BUILT_IN_RIGS),
     default="single-axis",
     show_default=True,
-    help="The kind of rig whose effects are listed.",
+    help="A built-in rig, or a rig file, whose kind's effects are listed.",
 )
 @click.option("--plot", metavar="FILE", help="Draw what EFFECT changes: .svg, .png or .pdf.")
 @click.option(
@@ -50,8 +48,10 @@ def command(
     without it.
     """
     from pneuservo.effects import effect_by_id, effects_of
+    from pneuservo.rigs import load_rig
 
     _require_options(effect, plot, pictures)
+    rig = load_rig(rig).kind
     entries = effects_of(rig) if effect is None else (effect_by_id(effect, rig),)
     if plot is not None:
         _draw_one(entries[0], rig, plot)

@@ -67,10 +67,10 @@ def command(
     Weights, boundary layer and level for what the loop has to do, whether the surface is
     reachable, how long reaching takes, and what is left against disturbances. With warnings.
     """
+    from pneuservo.command_line.baseline_rig import baseline_rig
     from pneuservo.errors import InputError
     from pneuservo.linear import servo_data
     from pneuservo.report.picture_files import require_picture, write_picture
-    from pneuservo.simulation.inputs import require_kind
     from pneuservo.sliding_mode.design import Requirements, design_sliding_mode
     from pneuservo.sliding_mode.pictures import design_figure
     from pneuservo.sliding_mode.surface import damping_from_overshoot
@@ -80,7 +80,7 @@ def command(
     if overshoot is not None:
         damping = damping_from_overshoot(overshoot)
     require_picture("--plot", plot)
-    used = require_kind(rig, "single-axis")
+    used = baseline_rig(rig)
     wanted = Requirements(
         settling_time,
         1.0 if damping is None else damping,

@@ -5,9 +5,9 @@ import json
 import click
 
 from analog_card.console import Count, Quantity
+from pneuservo.command_line.baseline_rig import baseline_rig
 from pneuservo.linear.detectability import DetectableFrequencies, detectable_frequencies
 from pneuservo.linear.from_rig import servo_data
-from pneuservo.simulation.inputs import require_kind
 
 EXAMPLES = """\b
 Examples:
@@ -28,7 +28,7 @@ def command(rig: str | None, bits: int, threshold: float | None, as_json: bool) 
 
     Tables 9.1 and 9.2 of the thesis, which a threshold of 3.98 um reproduces within 1 %.
     """
-    used = servo_data(require_kind(rig, "single-axis")) if rig is not None else None
+    used = servo_data(baseline_rig(rig)) if rig is not None else None
     found = detectable_frequencies(used, threshold, bits)
     if as_json:
         click.echo(json.dumps(_report(found), indent=2))

@@ -108,13 +108,13 @@ def command(
     By the describing function, the exact method of Tsypkin, and simulations of the linear and
     the non-linear plant, side by side.
     """
+    from pneuservo.command_line.baseline_rig import baseline_rig
     from pneuservo.limit_cycle import Signals, compare, rig_loop
     from pneuservo.limit_cycle.pictures import overview
     from pneuservo.report.picture_files import require_picture, write_picture
-    from pneuservo.simulation.inputs import require_kind
 
     require_picture("--plot", plot)
-    used = require_kind(rig, "single-axis")
+    used = baseline_rig(rig)
     velocity_breaks, acceleration_breaks = _breaks(break_frequency)
     signals = Signals(
         differentiation,

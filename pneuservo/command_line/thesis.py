@@ -60,11 +60,11 @@ def command(
 
     Thesis value, ours with the printed and with the reconciled parameters, and a verdict.
     """
-    from pneuservo.simulation.inputs import require_kind
+    from pneuservo.command_line.baseline_rig import baseline_rig
     from pneuservo.thesis.chapters import CHAPTERS, recompute
     from pneuservo.thesis.page import to_dict, write_reproduction
 
-    used = require_kind(rig, "single-axis") if rig is not None else None
+    used = baseline_rig(rig) if rig is not None else None
     target = Path(out) / PAGE
     folder = _picture_folder(Path(out)) if page else None
     given = tuple(int(name) if name.isdigit() else name.upper() for name in chapters)

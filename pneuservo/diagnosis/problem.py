@@ -129,7 +129,7 @@ class Problem:
         """Return the sensitivities at the solution, for a fit that begins near it."""
         if self.jacobian is None:
             raise ValueError("the problem has not been solved")
-        return Solved(self.keys, self.jacobian, vector, self.row_scale())
+        return Solved(self.keys, self.jacobian, vector, self.units, self.row_scale())
 
     def distance(self, vector: Array) -> Array:
         """Return how far tolerated values are from nominal, in tolerances."""
@@ -156,6 +156,8 @@ class Solved:
         Of all weighted residuals and then of the distances of tolerated values.
     vector : (m,) array
         The solution, each unknown in its typical size.
+    units : (m,) array
+        These sizes [SI].
     rows : (n,) array
         What each residual counted as one.
     """
@@ -163,6 +165,7 @@ class Solved:
     keys: Sequence[str]
     sensitivity: Array
     vector: Array
+    units: Array
     rows: Array
 
     def row_scale(self) -> Array:

@@ -32,6 +32,10 @@ class Known(Protocol):
     def vector(self) -> Array:
         """Values of the unknowns, each in its typical size."""
 
+    @property
+    def units(self) -> Array:
+        """Typical size of each unknown [SI]."""
+
     def row_scale(self) -> Array:
         """Return what each residual counts as one."""
 
@@ -69,8 +73,10 @@ class SteadySensitivity:
             for column, key in enumerate(problem.keys):
                 if key in place:
                     old = known.sensitivity[:rows, place[key]]
-                    self._matrix[:rows, column] = old * factor
-                    self._worked_out_at[column] = known.vector[place[key]]
+                    # What is typical of an effect's size is where its fit begins: now elsewhere.
+                    larger = float(problem.units[column] / known.units[place[key]])
+                    self._matrix[:rows, column] = old * factor * larger
+                    self._worked_out_at[column] = known.vector[place[key]] / larger
         for row, column in enumerate(problem.tolerated):
             self._matrix[rows + row, column] = problem.units[column] / problem.sigma[row]
 

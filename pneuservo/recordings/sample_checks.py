@@ -13,6 +13,7 @@ LIMITED_BY_DESIGN = ("demand", "valve_voltage", "spool", "card_surface", "card_o
 
 _SHORTEST_CLIP = 5  # samples
 _FEWEST_LEVELS = 20  # a channel with fewer values is switched, not measured finely
+_FEWEST_STEPS = 3  # levels: of two it does not show whether they are steps of a converter
 _CLIP_TO_NEAR = 8  # a rounded peak holds its top level at most 4.8 times as long as the next
 _NEAR_LEVELS = 5
 _EDGE_STEPS = 3  # looked at on either side of a stretch, and twice as many beyond them
@@ -166,7 +167,8 @@ def _clipped(values: NDArray[np.float64], extreme: float, near: NDArray[np.float
 def _quantisation(
     values: NDArray[np.float64], levels: NDArray[np.float64], channel: Channel
 ) -> list[str]:
-    few = len(levels) < _FEWEST_LEVELS or len(values) < _SAMPLES_PER_LEVEL * len(levels)
+    switched = channel.name in LIMITED_BY_DESIGN and len(levels) < _FEWEST_LEVELS
+    few = switched or len(levels) < _FEWEST_STEPS or len(values) < _SAMPLES_PER_LEVEL * len(levels)
     if few or channel.name == "demand":
         return []
     steps = np.diff(levels)

@@ -59,6 +59,7 @@ def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         "ledger": diagnosis.search.ledger,
         "over_chance": diagnosis.search.over_chance,
         "remark": remark,
+        "steady": diagnosis.model.steady,
         "between_sessions": between_sessions_in_words(answer),
     }
 

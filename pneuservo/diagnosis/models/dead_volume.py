@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.diagnosis.models.plausible import require_absolute
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.effects.leakage import LEAKS
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
@@ -44,6 +45,7 @@ class DeadVolumeModel(Model):
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording with its noise and the opening of the valve."""
+        require_absolute(recording, self.channel)
         measured, time = recording[self.channel], recording.time
         noise = recording.noise_rms.get(self.channel) or noise_floor(measured, time)
         full = rig["valve.full_voltage"]

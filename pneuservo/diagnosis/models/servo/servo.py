@@ -18,6 +18,7 @@ from pneuservo.diagnosis.models.model import (
     Values,
     are_the_same,
 )
+from pneuservo.diagnosis.models.plausible import require_absolute, require_within_reach
 from pneuservo.diagnosis.models.servo.between_samples import (
     tells_noise,
     tells_set_point,
@@ -154,6 +155,8 @@ class ServoModel(Model):
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
+        require_absolute(recording, *PRESSURES, SUPPLY)
+        require_within_reach(recording, "displacement", rig["piston.stroke"], "the rig's stroke")
         return self._read(recording, rig, with_running_command)
 
     def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven) -> list[Case]:
