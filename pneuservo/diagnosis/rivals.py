@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pneuservo.diagnosis.accepted import Accepted
-from pneuservo.diagnosis.controls import chance_gain
+from pneuservo.diagnosis.chance import chance_gain
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.judge import (

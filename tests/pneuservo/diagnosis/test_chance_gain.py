@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from pneuservo.diagnosis.controls import chance_gain
+from pneuservo.diagnosis.chance import chance_gain
 
 SAMPLES = 4000
 TIME = np.linspace(0.0, 1.0, SAMPLES)
