@@ -133,7 +133,11 @@ def test_a_parameter_that_drifts_is_unexplained_and_put_in_its_block(of, block, 
     late, early = (1.0 + fitted[knot]["value"] for knot in ("v7", "v1"))
     expected = (1.0 + 7.0 / 8.0 * largest) / (1.0 + largest / 8.0)
     assert late / early == pytest.approx(expected, abs=0.015)
-    assert repaired_model(found)["effects"]["unexplained.drift"]["of"]["value"] == of
+    model = repaired_model(found)
+    assert model["effects"]["unexplained.drift"]["of"]["value"] == of
+    # The values beside the table are those of its fit, and so are their intervals.
+    for name, entry in model["parameters"].items():
+        assert entry["low"] <= entry["value"] <= entry["high"], name
 
 
 def test_what_drifts_in_every_recording_in_a_way_of_its_own_is_followed_in_each():
