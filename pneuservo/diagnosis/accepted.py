@@ -89,14 +89,14 @@ class Accepted(Hypotheses):
         return [1.0] * len(self.cases) if self.model.steady else self.noise
 
     def are_judged(self, found: Fit) -> bool:
-        """Return whether a fit leaves no channel so far below its noise that it only follows it.
+        """Return whether what a model may follow is judged, and not left far below its noise.
 
         Parameters
         ----------
         found : Fit
             Of one of the hypotheses.
         """
-        return are_judged(self.cases, found, self.unit_of_noise)
+        return are_judged(self.cases, found, self.unit_of_noise, self.model.follows)
 
     def unexplained_share(self, found: Fit) -> float:
         """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""

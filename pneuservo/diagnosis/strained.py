@@ -101,16 +101,24 @@ def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> b
     return all(rms([r]) < LEAVES_NOISE * size for case, r, size in left if case.recorded)
 
 
-def are_judged(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> bool:
-    """Return whether every channel of every recording is judged and not only followed.
+def are_judged(
+    cases: Sequence[Case], found: Fit, noise: Sequence[float], channels: Collection[str]
+) -> bool:
+    """Return whether some channels of every recording are judged and not only followed.
 
     Parameters
     ----------
     cases, found, noise
         As for `leaves_noise`.
+    channels : collection of str
+        Those that a model may follow.
     """
     left = zip(cases, found.residuals, noise, strict=True)
-    return all(rms([r]) > FOLLOWED * size for case, r, size in left if case.recorded)
+    return all(
+        rms([r]) > FOLLOWED * size
+        for case, r, size in left
+        if case.recorded and case.channel in channels
+    )
 
 
 def _from_nominal(found: Fit) -> dict[str, float]:

@@ -204,6 +204,8 @@ class Model:
     """Whether the unknowns of a recording's first case hold for all its cases."""
     tabulates: ClassVar[bool] = False
     """Whether tables may stand for what no effect explains."""
+    follows: ClassVar[tuple[str, ...]] = ()
+    """Channels that are followed and not judged where nobody knows what drives them."""
     ridges: ClassVar[tuple[str, ...]] = ()
     """Parameters on either side of whose value a fit may come to rest."""
     blocks: ClassVar[Mapping[str, str]] = {}

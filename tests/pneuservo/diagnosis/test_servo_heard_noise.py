@@ -1,13 +1,16 @@
 """Loops that hear the noise of their transducer: how is their command read?"""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pneuservo.controllers import DigitalSlidingMode, SlidingMode
+from pneuservo.diagnosis import diagnose, document
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import ranked_readings
+from pneuservo.diagnosis.strained import are_judged
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
@@ -21,11 +24,11 @@ FREQUENCY = "valve.spool.frequency"
 
 @pytest.fixture(scope="module")
 def rig():
-    noise = {name: Transducer(noise=NOISE[key]) for name, key in TRANSDUCERS.items()}
+    noise = {
+        "displacement": Transducer(noise=NOISE["displacement"]),
+        "pressure": Transducer(noise=NOISE["pressure_a"]),
+    }
     return replace(load_rig("single-axis"), transducers=noise)
-
-
-TRANSDUCERS = {"displacement": "displacement", "pressure": "pressure_a"}
 
 
 def likeliest(run, rig):
@@ -63,3 +66,21 @@ def test_a_command_that_a_computer_changes_just_after_it_was_recorded(rig):
     fed = likeliest(run.channels, rig)
     assert not fed.ramped
     np.testing.assert_array_equal(fed.voltage[:-1], run["valve_voltage"][1:])
+
+
+def test_beside_noise_that_is_heard_a_wrong_parameter_is_one(rig):
+    index = "chamber.polytropic_index"
+    other = rig.with_values({index: 1.15})
+    run = simulate(other, time=TIME, controller=SlidingMode(), demand=DEMAND, seed=7)
+    # The spool is recorded without any noise: what is left of it is no measure.
+    channels = {name: run[name] for name in (*RECORDED, "spool")}
+    answer = document(diagnose([Recording("run", TIME, channels)]))
+    assert answer["verdict"] == "parameter"
+    assert answer["corrected_parameters"][index]["value"] == pytest.approx(1.15, abs=0.02)
+
+
+@pytest.mark.parametrize(("level", "judged"), [(1.0, True), (0.5, False)])
+def test_a_pressure_far_below_its_noise_was_only_followed(level, judged):
+    cases = [SimpleNamespace(channel=name, recorded=True) for name in ("pressure_a", "spool")]
+    found = SimpleNamespace(residuals=(np.full(9, level), np.full(9, 0.1)))
+    assert are_judged(cases, found, [1.0, 1.0], ServoModel.follows) is judged

@@ -108,6 +108,7 @@ class ServoModel(Model):
     channel: ClassVar[str] = "displacement"
     unit: ClassVar[str] = "m"
     block: ClassVar[str] = "piston"
+    follows: ClassVar[tuple[str, ...]] = PRESSURES
     # The air outside is what the exhaust edges blow into, that inside of both chambers one gas.
     blocks: ClassVar[Mapping[str, str]] = {
         "ambient": "valve.flow",
