@@ -208,7 +208,9 @@ def _blocks(axes: Any, kind: str, answer: dict[str, Any]) -> None:
         )
         axes.add_patch(box)
         share_of = "" if len(chain) > 5 else " of the mismatch"
-        label = f"{block}\n{guilty:.0%}{share_of}" if guilty else block
+        # The boxes of a long chain are narrow.
+        name = block.replace(".", ".\n") if len(chain) > 5 else block
+        label = f"{name}\n{guilty:.0%}{share_of}" if guilty else name
         axes.text(
             place * 1.5 + 0.55,
             0.3,
