@@ -18,6 +18,7 @@ from pneuservo.manipulator.linkage import (
 )
 from pneuservo.plant.compilation import compiled, compiled_apart
 from pneuservo.plant.control_law import CARD_TAPS
+from pneuservo.plant.copying import put
 from pneuservo.plant.events import settle
 from pneuservo.plant.integrator import SMALLEST_OPENING, initial_modes
 from pneuservo.plant.lane_arrays import load_tuple
@@ -291,7 +292,7 @@ def _modes_at_start(state, numbers, like):
     modes = np.zeros((state.shape[0], 3), np.int64)
     for i in range(state.shape[0]):
         _, plant = load_tuple(numbers[i], like)
-        modes[i] = initial_modes(state[i], np.zeros(2), plant)
+        put(initial_modes(state[i], np.zeros(2), plant), modes[i])
         if state[i, VELOCITY] == 0.0:
             # Whether it breaks away depends on the force at its rod.
             modes[i, MOTION] = AT_REST

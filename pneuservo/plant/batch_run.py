@@ -10,6 +10,7 @@ import numpy as np
 
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.control_law import CARD_TAPS
+from pneuservo.plant.copying import put, put_table
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.exponential import (
     CHAIN_LIKE,
@@ -68,7 +69,7 @@ def run_batch(
     )
     for block in range(numbers.shape[0]):
         own_numbers = numbers[block]
-        state[:] = initial_states[block]
+        put_table(initial_states[block], state)
         _start(state, modes, inputs, own_numbers, law, plant, series, largest_step)
         laws, plants = load_lanes(own_numbers, (law, plant))
         step_before = 0.0
@@ -133,16 +134,16 @@ def _start(state, modes, inputs, numbers, law, plant, series, largest_step):
     """Write the first modes of all lanes and the series of their cards."""
     for lane in range(WIDTH):
         own_law, own_plant = load_lane(numbers, lane, (law, plant))
-        modes[:, lane] = initial_modes(state[:, lane], inputs[0], own_plant)
+        put(initial_modes(state[:, lane], inputs[0], own_plant), modes[:, lane])
         if law.source == CARD_TAPS:
-            series[lane] = step_series(own_law, largest_step)
+            put_table(step_series(own_law, largest_step), series[lane])
 
 
 @compiled
 def _chain_of_lanes(series, share, coefficients, chain):
     for lane in range(WIDTH):
         step_coefficients(series[lane], share, coefficients)
-        chain[:, lane] = coefficients[:COEFFICIENTS]
+        put(coefficients[:COEFFICIENTS], chain[:, lane])
 
 
 @compiled
@@ -151,9 +152,11 @@ def _settle_lanes(lanes, state, modes, inputs, numbers, law, plant, of_one_lane)
     for lane in range(WIDTH):
         if lanes >> lane & 1:
             own_law, own_plant = load_lane(numbers, lane, (law, plant))
-            own_state[:], own_modes[:] = state[:, lane], modes[:, lane]
+            put(state[:, lane], own_state)
+            put(modes[:, lane], own_modes)
             settle(own_state, own_modes, inputs, own_law, own_plant)
-            state[:, lane], modes[:, lane] = own_state, own_modes
+            put(own_state, state[:, lane])
+            put(own_modes, modes[:, lane])
 
 
 @compiled

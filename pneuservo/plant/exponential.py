@@ -56,7 +56,8 @@ def _chain_matrix(law):
     matrix[2, 2] = -1.0 / law.velocity_lag_2
     matrix[3, 2] = -law.velocity_time_constant / law.acceleration_lag_1
     matrix[3, 3] = -1.0 / law.acceleration_lag_1
-    matrix[4] = matrix[3] / law.acceleration_lag_2
+    for column in range(CHAIN_STATES):
+        matrix[4, column] = matrix[3, column] / law.acceleration_lag_2
     matrix[4, 4] = -1.0 / law.acceleration_lag_2
     return matrix
 

@@ -129,7 +129,8 @@ def _subsonic_polynomial(isentropic_exponent, critical_pressure_ratio, factor):
         powers += series[k] * now
         # T(k+1) = 2 t T(k) - T(k-1) with t = 2 s - 1 on the whole width, s = (1 - Pr)/width.
         following = -2.0 * now - before
-        following[1:] += 4.0 * now[:-1]
+        for place in range(1, count):
+            following[place] += 4.0 * now[place - 1]
         if k == 0:
             following *= 0.5
         before, now = now, following

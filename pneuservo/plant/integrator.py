@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.copying import put
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.outputs import OUTPUTS, output_values
 from pneuservo.plant.piston import is_moving, motion_from
@@ -140,10 +141,10 @@ def advance(state, duration, modes, inputs, law, plant, grid, work, result):
         runge_kutta_step(state, remaining, modes, inputs, law, plant, grid, work, result)
         beyond = margin(result, modes, inputs, law, plant) < 0.0
         if not beyond or events == MOST_EVENTS_PER_STEP:
-            state[:] = result
+            put(result, state)
             break
         reached = locate_event(state, remaining, modes, inputs, law, plant, grid, work, result)
-        state[:] = result
+        put(result, state)
         settle(state, modes, inputs, law, plant)
         remaining -= reached
         events += 1

@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.control_law import CARD_TAPS
+from pneuservo.plant.copying import put
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.exponential import (
     CHAIN_LIKE,
@@ -62,7 +63,7 @@ def run(time, inputs, initial_state, law, plant, grid, largest_step):
         does not have are NaN.
     """
     state = np.zeros(STATES_WITH_CARD)
-    state[: initial_state.shape[0]] = initial_state
+    put(initial_state, state)
     modes = initial_modes(state, inputs[0], plant).astype(np.float64)
     outputs = np.empty((time.shape[0], len(OUTPUTS)))
     coefficients, other_coefficients = np.zeros(ROWS * WIDTH), np.zeros(ROWS * WIDTH)

@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.copying import put, put_table
 from pneuservo.plant.servo.pneumatics import pneumatic_rates
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B
 
@@ -109,7 +110,7 @@ def carry_on(
     plant = servo.plant
     piston, mass = plant.piston, plant.piston.mass
     change = np.zeros((ESTIMATED, ESTIMATED))
-    start[:] = state
+    put(state, start)
     pneumatic_rates(start, speed, memory, rows, drive, 0.0, servo, grid, rate)
     if not held:
         faster = speed + _SPEED_STEP
@@ -132,15 +133,17 @@ def carry_on(
         change[zero, zero] = -interval / WANDER_TIME
     # To second order: one interval is a good part of a swing of the piston on its air.
     change = np.eye(ESTIMATED) + change + 0.5 * change @ change
-    covariance[:, :] = change @ covariance @ change.T
+    put_table(change @ covariance @ change.T, covariance)
     for slot in range(3):
         covariance[ZEROS[slot], ZEROS[slot]] += (1.0 - kept**2) * LIKELY_WANDER**2 * variance[slot]
     for side in range(2):
         covariance[side, side] += spread[side]
         beyond = math.sqrt(covariance[side, side]) / UNKNOWN_PRESSURE
         if beyond > 1.0:
-            covariance[side, :] /= beyond
-            covariance[:, side] /= beyond
+            for other in range(ESTIMATED):
+                covariance[side, other] /= beyond
+            for other in range(ESTIMATED):
+                covariance[other, side] /= beyond
     turning = 1.0 - math.tanh(speed / reversal) ** 2
     unknown = unsteadiness * FORCE_STEP + turning_unsteadiness * TURNING_STEP * turning
     unknown *= piston.coulomb_friction / mass
@@ -200,16 +203,17 @@ def weigh(covariance, error, variance, gain, share):
         share[slot] = math.sqrt(variance[slot] / expected)
         own = row / expected
         before = gain[here] + gain[zero]
-        gain[ESTIMATED + slot] = before
+        put(before, gain[ESTIMATED + slot])
         for place in range(ESTIMATED):
             for other in range(3):
                 gain[place, other] -= own[place] * before[other]
             gain[place, slot] += own[place]
         # Joseph's form: pressures and places differ by ten powers of ten.
         kept = np.eye(ESTIMATED)
-        kept[:, here] -= own
-        kept[:, zero] -= own
-        covariance[:, :] = kept @ covariance @ kept.T
+        for place in range(ESTIMATED):
+            kept[place, here] -= own[place]
+            kept[place, zero] -= own[place]
+        put_table(kept @ covariance @ kept.T, covariance)
         for place in range(ESTIMATED):
             for other in range(ESTIMATED):
                 covariance[place, other] += variance[slot] * own[place] * own[other]

@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.compilation import compiled, compiled_lean
+from pneuservo.plant.copying import put, put_table
 
 FORCE_CHANGE_TIME = 5e-3
 """Within this time the force on a moving piston jumps [s]."""
@@ -161,8 +162,8 @@ def smooth(
                 _spread_out(spread, h, driving_variance, change)
             spread[3, 3] += wandering * (1.0 - step[3, 3] ** 2)
         if back:
-            predicted[k] = state
-            spread_predicted[k] = spread
+            put(state, predicted[k])
+            put_table(spread, spread_predicted[k])
         if measured[k] == measured[k]:
             for j in range(4):
                 row[j] = spread[0, j] + spread[3, j]
@@ -175,7 +176,7 @@ def smooth(
         for i in range(4):
             filtered[k, i] = state[i]
         if back:
-            spread_filtered[k] = spread
+            put_table(spread, spread_filtered[k])
     velocity_variance = np.zeros(n)
     if not back:
         return filtered, velocity_variance, likelihood
@@ -184,8 +185,8 @@ def smooth(
         creeps = rest[k + 1] and creep > GLIDING
         _write_transition(step, time[k + 1] - time[k], creeps, fades)
         share = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
-        filtered[k] = filtered[k] + share @ (filtered[k + 1] - predicted[k + 1])
+        put(filtered[k] + share @ (filtered[k + 1] - predicted[k + 1]), filtered[k])
         gained = share @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ share.T
-        spread_filtered[k] = spread_filtered[k] + gained
+        put_table(spread_filtered[k] + gained, spread_filtered[k])
         velocity_variance[k] = spread_filtered[k, 1, 1]
     return filtered, velocity_variance, likelihood

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.copying import put
 from pneuservo.plant.presliding import presliding_step
 
 _STRAIGHT = 0.1
@@ -45,8 +46,10 @@ def friction_direction(time, displacement, velocity, reversal, friction):
     if friction.presliding_travel > 0.0:
         return _building_up(time, displacement, velocity, reversal, friction)
     found = np.zeros((2, velocity.size))
-    found[0] = np.tanh(velocity / reversal)
-    found[1, :-1] = mean_direction(velocity, reversal)[:-1] - 0.5 * (found[0, 1:] + found[0, :-1])
+    put(np.tanh(velocity / reversal), found[0])
+    mean = mean_direction(velocity, reversal)
+    for k in range(velocity.size - 1):
+        found[1, k] = mean[k] - 0.5 * (found[0, k + 1] + found[0, k])
     return found
 
 
