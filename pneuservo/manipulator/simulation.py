@@ -11,6 +11,7 @@ from pneuservo.manipulator.controllers import Controller, Motion, demanded_motio
 from pneuservo.manipulator.linkage import gravity_torque, mass_matrix, velocity_torque
 from pneuservo.manipulator.manipulator import GRAVITY, Manipulator, nominal
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.copying import put
 
 Vector = NDArray[np.float64]
 
@@ -162,8 +163,8 @@ def _next(state, torque, friction, linkage, step):  # type: ignore[no-untyped-de
     total, stage = np.zeros_like(state), state.copy()
     for k in range(4):
         rate = np.empty_like(state)
-        rate[0] = stage[1]
-        rate[1] = joint_acceleration(stage[0], stage[1], torque, friction, linkage)
+        put(stage[1], rate[0])
+        put(joint_acceleration(stage[0], stage[1], torque, friction, linkage), rate[1])
         total += rate if k in (0, 3) else 2.0 * rate
         stage = state + (step if k == 2 else 0.5 * step) * rate
     result = state + step / 6.0 * total

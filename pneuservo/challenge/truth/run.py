@@ -229,7 +229,9 @@ def _run(
             motion[sample, 0], motion[sample, 1] = y[at.POSITION], y[at.SPEED]
             motion[sample, 2], motion[sample, 3] = work[0, at.SPEED], y[at.SPOOL]
             if sample % per_segment == 0:
-                states[sample // per_segment] = y
+                # A row at once would take two seconds more to compile.
+                for place in range(at.STATES):
+                    states[sample // per_segment, place] = y[place]
         # The command changes inside a tick when it is late by a part of one.
         middle = time + fraction
         if fraction > 1e-9:

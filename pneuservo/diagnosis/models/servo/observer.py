@@ -185,7 +185,8 @@ def observe(
     felt = true[1, 0]
     position, velocity, lagged = motion[0, 0] + behind[0], motion[1, 0], motion[2, 0]
     slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
-    last, place = 0.0, 0
+    # As a literal it would have what it is handed to compiled twice.
+    last, place = 0.0, np.int64(0)
     zeros = np.zeros(3)
     covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)

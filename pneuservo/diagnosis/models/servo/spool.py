@@ -159,7 +159,8 @@ def follow_spool(time, command, steps, opening, servo):
     state, memory = np.zeros(PLANT_STATES), np.zeros(MEMORY)
     state[SPOOL] = opening
     begin_spool(memory, limited(command[0, 0], servo.law.level), time[0], servo)
-    moves, place = np.empty((np.sum(steps[:-1]), MOVED)), 0
+    # As a literal it would have what it is handed to compiled twice.
+    moves, place = np.empty((np.sum(steps[:-1]), MOVED)), np.int64(0)
     for k in range(time.shape[0] - 1):
         step = (time[k + 1] - time[k]) / steps[k]
         for j in range(steps[k]):
