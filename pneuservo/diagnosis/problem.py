@@ -62,6 +62,7 @@ class Problem:
         self.sigma = np.array([self.unknowns[i].sigma for i in tolerated], dtype=float)
         if self.begin is None:
             self.begin = self.start
+        self._rows: tuple[Mapping[str, float], Array] | None = None
 
     @property
     def first(self) -> Array:
@@ -118,12 +119,14 @@ class Problem:
 
     def row_scale(self) -> Array:
         """Return what each residual counts as one [unit of its case]."""
-        return np.concatenate(
-            [
+        # A fit asks thousands of times; what is given is replaced, never changed.
+        if self._rows is None or self._rows[0] is not self.scale:
+            parts = [
                 np.full(int(np.count_nonzero(case.usable)), self.scale.get(case.channel, 1.0))
                 for case in self.cases
             ]
-        )
+            self._rows = self.scale, np.concatenate(parts)
+        return self._rows[1]
 
     def solved(self, vector: Array) -> "Solved":
         """Return the sensitivities at the solution, for a fit that begins near it."""
@@ -140,8 +143,9 @@ class Problem:
     def cost_vector(self, vector: Array) -> Array:
         """Return everything the optimiser squares and sums."""
         residual = np.concatenate(self.residuals(vector)) / self.row_scale()
-        bounded = np.nan_to_num(residual, nan=1e9, posinf=1e9, neginf=-1e9)
-        return np.concatenate([bounded, self.distance(vector)])
+        if not np.isfinite(residual).all():
+            residual = np.nan_to_num(residual, nan=1e9, posinf=1e9, neginf=-1e9)
+        return np.concatenate([residual, self.distance(vector)])
 
 
 @dataclass(frozen=True)
@@ -224,9 +228,13 @@ def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str,
     is the recording's own: 5 kg are weighed better than what they are added to.
     """
     here, mine = dict(shared), dict(own)
-    for key in here.keys() & case.rig.parameters.keys():
-        nominal, reference = case.rig[key], first.rig[key]
-        error = mine.pop(_ANEW + key, 0.0)
+    before, now = first.rig.parameters, case.rig.parameters
+    measured_anew = any(key.startswith(_ANEW) for key in own)
+    for key in shared:
+        if key not in now:
+            continue
+        nominal, reference = now[key].value, before[key].value
+        error = mine.pop(_ANEW + key, 0.0) if measured_anew else 0.0
         if nominal != reference and reference:
             here[key] *= (1.0 + error) * nominal / reference
     return {**case.rig.effect_values, **here, **mine}

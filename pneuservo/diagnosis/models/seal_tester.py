@@ -132,24 +132,31 @@ class SealTesterModel(Model):
             get("friction.presliding:exponent", 1.0),
             values["initial_presliding"],
         )
-        level = values["piston.coulomb_friction"] + get("friction.pressure:slope", 0.0) * pressure
-        excess = get("friction.stribeck:excess", 0.0)
-        if excess:
+        # A fit simulates thousands of times, most of it without what most of the terms are for.
+        level = values["piston.coulomb_friction"]
+        if rise := get("friction.pressure:slope", 0.0):
+            level = level + rise * pressure
+        if excess := get("friction.stribeck:excess", 0.0):
             level = level + excess * np.exp(-inputs["speed"] / get("friction.stribeck:speed", 1.0))
-        along = (
-            1.0
-            + get("friction.position:slope", 0.0) * share
-            + get("friction.position:curvature", 0.0) * share**2
-            + get("friction.run-in:rate", 0.0) * inputs["time"]
-        )
-        friction = level * along * state + get("friction.asymmetric:difference", 0.0) * np.abs(
-            state
-        )
-        area = math.pi / 4.0 * values["piston.diameter"] ** 2
-        pull = get("load.spring:stiffness", 0.0) * (inputs["displacement"] - inputs["middle"])
-        gauge = pressure * (1.0 + get("sensor.pressure-gain-a:gain", 0.0))
-        force: Array = gauge * area - friction - pull
-        return force * (1.0 + get("sensor.force-gain:gain", 0.0)) + values["sensor.force.offset"]
+        along: Array | float = 1.0
+        if slope := get("friction.position:slope", 0.0):
+            along = along + slope * share
+        if curvature := get("friction.position:curvature", 0.0):
+            along = along + curvature * share**2
+        if rate := get("friction.run-in:rate", 0.0):
+            along = along + rate * inputs["time"]
+        friction = level * along * state
+        if difference := get("friction.asymmetric:difference", 0.0):
+            friction = friction + difference * np.abs(state)
+        gauge = pressure
+        if gain := get("sensor.pressure-gain-a:gain", 0.0):
+            gauge = pressure * (1.0 + gain)
+        force: Array = gauge * (math.pi / 4.0 * values["piston.diameter"] ** 2) - friction
+        if stiffness := get("load.spring:stiffness", 0.0):
+            force = force - stiffness * (inputs["displacement"] - inputs["middle"])
+        if gain := get("sensor.force-gain:gain", 0.0):
+            force = force * (1.0 + gain)
+        return force + values["sensor.force.offset"]
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by motion, place and pressure."""
