@@ -85,7 +85,7 @@ def test_a_planted_effect_is_named_and_put_in_its_block(effect, blocks, tmp_path
     make_case(11, effect, "visible", tmp_path)
     used, held_back = (
         [
-            read_recording(str(path)).slice(0.0, 5.0)
+            read_recording(str(path)).slice(0.0, 3.0)
             for path in sorted(tmp_path.glob(f"{part}-*.csv"))
         ]
         for part in ("used", "held-back")
@@ -174,7 +174,7 @@ def test_a_supply_that_wanders_has_its_name():
         values = {f"v{k}": float(value) for k, value in enumerate(walk)}
         drift = {"of": float(supply), "low": 0.0, "high": 4.0, **values}
         wandering = dataclasses.replace(rig, effects={"unexplained.drift": drift})
-        recording = recorded(wandering, Proportional(), 5 + seed)
+        recording = recorded(wandering, Proportional(), 5 + seed, interval=2e-3)
         source = rig["supply.pressure"] * (1.0 + np.interp(recording.time, KNOTS, walk))
         recording.channels["supply_pressure"] = source + rng.normal(0.0, 500.0, len(source))
         recordings.append(recording)
