@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, explained, orthonormal
+from pneuservo.diagnosis.fit import Fit, explained, orthonormal, rms
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
@@ -23,6 +23,10 @@ FAR = 1000.0
 """What explains more of the sum of squares has changed what others would change."""
 _RUNAWAY = 1e9
 """What changes a residual by more standard deviations has run away."""
+LIKE_THE_RECORDING = 1.2
+"""Times what the recording leaves, or its noise, that a copy leaves at most of any channel: where a
+baseline without an effect had strained itself to half a spool's frequency its copies left 1.4 to
+2.1 times as much, and an overlap that gained 1,642 would have gained 17,796 of that."""
 IMITATIONS = 3
 """Recordings without effect that are made to see what the method itself pretends."""
 
@@ -156,7 +160,8 @@ class Pretence:
         What they change in the recordings has to do with the noise there, for the motion that all
         follows knows the readings to come. In a loop that chatters by less than its noise, other
         noise made 13 of an asymmetric friction that gained 97 where there was nothing; in copies,
-        with the noise of each, the same values gained 123.
+        with the noise of each, the same values gained 123. A copy that is not like the recording
+        says nothing of that.
         """
         left = self.copies(beside)
         values = values_in_each(self._cases, self._cases[0], closer.shared, closer.own)
@@ -167,7 +172,8 @@ class Pretence:
             return most_gained([orthonormal(beyond[:, np.newaxis])], left)
 
         of_each = zip(self._imitations[beside.hypothesis], left, strict=True)
-        return max(side_by_side(lambda one: gained(*one), list(of_each)), default=0.0)
+        faithful = [each for each in of_each if _is_like(each[0], beside)]
+        return max(side_by_side(lambda one: gained(*one), faithful), default=0.0)
 
     def visible(self, beside: Fit) -> dict[str, Visibility]:
         """Return how each effect would show in the recordings, by effect id.
@@ -215,6 +221,12 @@ class Pretence:
         shown = self.visible(beside)
         usual = shown[name].pretended if name in shown else 0.0
         return max(fitted, usual, self._gained_in_copies(beside, closer))
+
+
+def _is_like(copy: _Copy, beside: Fit) -> bool:
+    """Return whether a copy leaves as much of every channel as the recordings or their noise."""
+    both = zip(copy.left, beside.residuals, strict=True)
+    return all(rms([left]) < LIKE_THE_RECORDING * max(rms([r]), 1.0) for left, r in both)
 
 
 def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:
