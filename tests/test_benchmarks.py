@@ -64,8 +64,9 @@ def test_rows_of_many_runs():
 
 def test_startup_row():
     rows = {row.name: row for row in startup.startup_rows(1)}
-    # The third of a second that is asked for is the benchmark's, of an idle machine.
-    assert rows["pneuservo --help"].value > 0.0
+    # The third of a second that is asked for is the benchmark's, of an idle machine; nothing that
+    # simulates, or compiles, is to be loaded.
+    assert 0.0 < rows["pneuservo --help"].value < 3.0
 
 
 def test_rows_of_a_diagnosis_add_up():

@@ -8,7 +8,7 @@ import numpy as np
 from pneuservo.diagnosis.diagnosis import Diagnosis
 from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.guilty_blocks import located
-from pneuservo.diagnosis.judge import UNDECIDED
+from pneuservo.diagnosis.judge import TIED, UNDECIDED
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Table
 from pneuservo.diagnosis.rivals import SUREST
@@ -18,6 +18,7 @@ from pneuservo.diagnosis.side_by_side import at_a_time
 from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
+from pneuservo.naming import written
 from pneuservo.rigs import load_rig
 
 SCHEMA = 1
@@ -45,7 +46,8 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         search was interrupted, ``sessions`` when the rig was fitted to other recordings.
     """
     with at_a_time(diagnosis.jobs):
-        return _document(diagnosis)
+        answer: dict[str, Any] = with_units_as_written(_document(diagnosis))
+    return answer
 
 
 def _document(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -125,14 +127,14 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         if key in chosen.shared:
             parameters[key] = {
                 "value": chosen.shared[key],
-                "unit": written(parameter.unit),
+                "unit": parameter.unit,
                 "low": chosen.intervals[key][0],
                 "high": chosen.intervals[key][1],
                 "nominal": _nominal(diagnosis, key),
                 "source": "fitted by the diagnosis",
             }
         elif parameter.value != built_in[key]:
-            parameters[key] = {"value": parameter.value, "unit": written(parameter.unit)}
+            parameters[key] = {"value": parameter.value, "unit": parameter.unit}
     effects: dict[str, Any] = {
         effect: {name: {"value": value} for name, value in values.items()}
         for effect, values in rig.effects.items()
@@ -145,29 +147,37 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
     if diagnosis.unexplained is not None:
         effects[diagnosis.unexplained.table.effect] = diagnosis.unexplained.parameters
     transducers = {name: entry.as_table() for name, entry in rig.transducers.items()}
-    return {
+    model: dict[str, Any] = {
         "rig": head,
         "parameters": parameters,
         "effects": effects,
         **({"transducers": transducers} if transducers else {}),
         "diagnosis": {"verdict": diagnosis.verdict} | _session(diagnosis.search),
     }
+    return dict(with_units_as_written(model))
 
 
-def written(unit: str) -> str:
-    """Return a unit as the answer spells it.
+def with_units_as_written(answer: Any) -> Any:
+    """Return plain data with every unit in it spelt as the answer spells them.
 
     Parameters
     ----------
-    unit : str
-        SI, as the catalogue spells it.
+    answer : dict, list or anything else
+        Of dicts those entries count that are called ``unit``.
 
     Examples
     --------
-    >>> written("kg/(s*Pa**2)")
-    'kg/(s*Pa^2)'
+    >>> with_units_as_written([{"value": 1.0, "unit": "kg/(s*Pa**2)"}])
+    [{'value': 1.0, 'unit': 'kg/(s*Pa^2)'}]
     """
-    return unit.replace("**", "^")
+    if isinstance(answer, list):
+        return [with_units_as_written(entry) for entry in answer]
+    if not isinstance(answer, dict):
+        return answer
+    return {
+        key: written(entry) if key == "unit" else with_units_as_written(entry)
+        for key, entry in answer.items()
+    }
 
 
 def _nominal(diagnosis: Diagnosis, key: str) -> float:
@@ -197,7 +207,7 @@ def _parameters(diagnosis: Diagnosis, member: str) -> dict[str, dict[str, Any]]:
         low, high = chosen.intervals[key]
         found[parameter.name] = {
             "value": chosen.shared[key],
-            "unit": written(parameter.unit),
+            "unit": parameter.unit,
             "low": low,
             "high": high,
         }
@@ -209,7 +219,7 @@ def _derived(diagnosis: Diagnosis, member: str) -> dict[str, dict[str, Any]]:
     case = diagnosis.search.cases[0]
     for name, (unit, follows) in diagnosis.model.derived(case, member).items():
         value, low, high = diagnosis.repaired.interval_of(follows)
-        found[name] = {"value": value, "unit": written(unit), "low": low, "high": high}
+        found[name] = {"value": value, "unit": unit, "low": low, "high": high}
     return found
 
 
@@ -224,7 +234,8 @@ def _missing(diagnosis: Diagnosis, member: str) -> dict[str, Any]:
     alike += [name for name in search.alike(member) if name not in alike]
     probability = {rival.candidate: rival.probability for rival in rivals}
     # Of those that are tied the simpler one is named: it is as likely as they are.
-    tied = [name for name in probability if probability[name] >= probability[member]]
+    tied = [rival.candidate for rival in others if -TIED < rival.evidence - own.evidence < 0.0]
+    tied.append(member)
     probability |= dict.fromkeys(tied, sum(probability[name] for name in tied) / len(tied))
     if search.model.steady:
         # Evidence between laws that differ in form alone says nothing: they share what they have.
@@ -281,7 +292,7 @@ def _unexplained(diagnosis: Diagnosis, probability: float) -> dict[str, Any]:
 
 
 def _nothing_explains(diagnosis: Diagnosis) -> str:
-    if diagnosis.search.interrupted:
+    if diagnosis.search.interrupted and diagnosis.misfit is None:
         return "The search was interrupted before anything explained what is left."
     return f"Nothing in the catalogue explains what is left{_look(diagnosis)}."
 
@@ -335,7 +346,7 @@ def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
         if moved and not parameter.free and not low <= parameter.value <= high:
             corrected[key] = {
                 "value": chosen.shared[key],
-                "unit": written(parameter.unit),
+                "unit": parameter.unit,
                 "low": low,
                 "high": high,
             }
@@ -367,7 +378,7 @@ def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
         "channels": {
             channel: {
                 "noise_rms": _rms_in(channel, noise, search.cases),
-                "unit": written(unit),
+                "unit": unit,
                 "before": {
                     "used": _rms_in(channel, search.baseline.residuals, search.cases),
                     "held_back": _held_back(channel, diagnosis.before_held_back, held_back),

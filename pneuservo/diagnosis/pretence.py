@@ -224,9 +224,13 @@ class Pretence:
 
 
 def _is_like(copy: _Copy, beside: Fit) -> bool:
-    """Return whether a copy leaves as much of every channel as the recordings or their noise."""
-    both = zip(copy.left, beside.residuals, strict=True)
-    return all(rms([left]) < LIKE_THE_RECORDING * max(rms([r]), 1.0) for left, r in both)
+    """Return whether a copy leaves hardly more of any channel than the recording or its noise."""
+    both = zip(copy.cases, copy.left, beside.residuals, strict=True)
+    return all(
+        rms([left]) < LIKE_THE_RECORDING * max(rms([there]), 1.0)
+        for case, left, there in both
+        if case.recorded
+    )
 
 
 def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:

@@ -104,7 +104,7 @@ def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> b
 def are_judged(
     cases: Sequence[Case], found: Fit, noise: Sequence[float], channels: Collection[str]
 ) -> bool:
-    """Return whether some channels of every recording are judged and not only followed.
+    """Return whether no channel that a model may follow is left far below its noise.
 
     Parameters
     ----------

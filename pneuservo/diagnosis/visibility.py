@@ -12,6 +12,7 @@ from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import change_by
 from pneuservo.effects import Effect
+from pneuservo.naming import written
 
 DETECTABLE = 4.0
 """An effect shows when its signature is this many standard deviations long: what is shorter is
@@ -115,7 +116,7 @@ def _below(effect: Effect, smallest: tuple[float, float], distinct: float) -> st
     rise = math.log(usual / least) / math.log(distinct / max(faintest, 1e-6 * distinct))
     limit = usual * (NAMEABLE / distinct) ** rise
     parameter = effect.parameters[0]
-    size = f"{limit:.1g} {parameter.unit}".strip()
+    size = f"{limit:.1g} {written(parameter.unit)}".strip()
     return f"shows only from {size} on ({parameter.name.replace('_', ' ')})"
 
 

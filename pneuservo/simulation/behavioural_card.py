@@ -74,7 +74,7 @@ def stepped_card(
     InputError
         When the times are not equally spaced.
     """
-    time = _equally_spaced(time)
+    time = equally_spaced(time)
     interval = time[1] - time[0]
     steps = max(math.ceil(interval / largest_step - 1e-9), 1)
     substeps = max(math.ceil(interval / steps / CARD_STEP - 1e-9), 1)
@@ -127,8 +127,19 @@ def run_behaviour(
     )
 
 
-def _equally_spaced(time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return equally spaced times in the place of times that are so but for their rounding."""
+def equally_spaced(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return equally spaced times in the place of times that are so but for their rounding.
+
+    Parameters
+    ----------
+    time : (n,) array
+        [s].
+
+    Raises
+    ------
+    InputError
+        When one is off by more than `JITTER`.
+    """
     even = np.linspace(time[0], time[-1], len(time))
     interval = float(time[-1] - time[0]) / (len(time) - 1)
     off = np.abs(time - even)

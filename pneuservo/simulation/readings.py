@@ -78,6 +78,18 @@ def draw_noise(rig: Rig, length: int, seed: Seed) -> Noise:
 def in_parts(time: Samples, parts: int) -> Samples:
     """Return times with every interval divided into equal parts.
 
+    Parameters
+    ----------
+    time : (n,) array
+        [s].
+    parts : int
+        1 and more.
+
+    Returns
+    -------
+    ((n - 1) parts + 1,) array
+        [s].
+
     Examples
     --------
     >>> in_parts(np.array([0.0, 1.0, 3.0]), 2).tolist()

@@ -33,7 +33,7 @@ from pneuservo.plant.servo.transducers import (
 )
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
-from pneuservo.simulation.behavioural_card import SteppedCard, stepped_card
+from pneuservo.simulation.behavioural_card import SteppedCard, equally_spaced, stepped_card
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import Driven
 from pneuservo.simulation.readings import (
@@ -95,6 +95,9 @@ def run_with_effects(
     InputError
         When a start is impossible, or the times do not suit the behaviour of a card.
     """
+    # What changes in the course of a run counts from where that begins.
+    time = driven.time if behaviour is None else equally_spaced(driven.time)
+    driven = dataclasses.replace(driven, time=time - time[0])
     plant, effects = single_axis(rig), servo_effects(rig.effect_values)
     noise = draw_noise(rig, len(driven.time), seed)
     span = rig.transducers.get("displacement", EXACT)

@@ -34,29 +34,27 @@ def require_absolute(recording: Recording, *channels: str) -> None:
             )
 
 
-def require_within_reach(recording: Recording, channel: str, reach: float, what: str) -> None:
-    """Refuse a channel that is nowhere near what it can be.
+def require_on_stroke(recording: Recording, stroke: float) -> None:
+    """Refuse a displacement that is nowhere near the stroke.
 
     Parameters
     ----------
     recording : Recording
         The recording.
-    channel : str
-        A channel of it.
-    reach : float
-        It lies between 0 and this, or as much again to either side, zeros being what they are [SI].
-    what : str
-        What reaches so far, for the message.
+    stroke : float
+        The piston moves from 0 to this; zeros being what they are, a transducer may read as much
+        again to either side [m].
 
     Raises
     ------
     InputError
         When a sample is beyond that.
     """
-    low, high = float(np.nanmin(recording[channel])), float(np.nanmax(recording[channel]))
-    if low < -reach or high > 2.0 * reach:
+    place = recording["displacement"]
+    low, high = float(np.nanmin(place)), float(np.nanmax(place))
+    if low < -stroke or high > 2.0 * stroke:
         raise InputError(
-            f"{recording.source or recording.name}: {channel} goes from {low:.6g} to {high:.6g} m, "
-            f"but {what} is {reach:.6g} m; check its unit, scale and offset in the sidecar's "
-            "[channels], or name another rig with --rig"
+            f"{recording.source or recording.name}: displacement goes from {low:.6g} to "
+            f"{high:.6g} m, but the rig's stroke is {stroke:.6g} m; check its unit, scale and "
+            "offset in the sidecar's [channels], or name another rig with --rig"
         )

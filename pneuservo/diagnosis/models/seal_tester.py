@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.diagnosis.models.plausible import require_absolute
 from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.presliding import presliding_state
@@ -94,6 +95,7 @@ class SealTesterModel(Model):
         force, time = recording["force"], recording.time
         noise = recording.noise_rms.get("force") or noise_floor(force, time)
         displacement = condition_displacement(recording["displacement"], time)
+        require_absolute(recording, "pressure_a")
         pressure = recording["pressure_a"]
         good = np.isfinite(pressure)
         gauge = np.interp(time, time[good], pressure[good]) - rig["ambient.pressure"]

@@ -9,12 +9,11 @@ from analog_card.behaviour_kernel import outputs as card_outputs
 from analog_card.differentiator_kernel import EXTENDED
 from pneuservo.plant.behavioural_card import CONTROL, FIRST, SECOND, SURFACE, mean_voltage
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.servo.chain import piston_acceleration, reading
+from pneuservo.plant.servo.chain import moving_reading, piston_acceleration, reading
 from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.events import settle
 from pneuservo.plant.servo.layout import (
     COMMAND,
-    DISPLACEMENT_NOISE,
     INPUTS,
     MEMORY,
     OUTPUTS,
@@ -91,10 +90,9 @@ def run_servo_with_card(
         for i in range(steps):
             elapsed = interval * i / steps
             second = piston_acceleration(state, modes, memory, drive, elapsed, now)
-            place, velocity, second = reading(state, second, drive, elapsed, now)
             drive[0, COMMAND] = mean_voltage(
                 card_state,
-                (place, velocity + drive[1, DISPLACEMENT_NOISE], second),
+                moving_reading(state, second, drive, elapsed, now),
                 sensitivity,
                 demand,
                 duration,

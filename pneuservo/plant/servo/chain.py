@@ -109,6 +109,22 @@ def reading(state, second, drive, elapsed, servo):
     return noisy, velocity, second
 
 
+@compiled
+def moving_reading(state, second, drive, elapsed, servo):
+    """Return what the transducer reads [m], how fast it changes [m/s], and the acceleration.
+
+    Parameters
+    ----------
+    state, second, drive, elapsed, servo
+        As in `reading`; its noise changes the reading, too, but for one that is at its limit.
+    """
+    displacement, velocity, second = reading(state, second, drive, elapsed, servo)
+    low, high = servo.displacement_range
+    if low < displacement < high:
+        velocity += drive[1, DISPLACEMENT_NOISE]
+    return displacement, velocity, second
+
+
 @compiled_apart
 def surface(state, modes, memory, drive, elapsed, servo):
     """Return the switching function of the law, in its own unit.

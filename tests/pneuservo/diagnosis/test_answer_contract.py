@@ -10,8 +10,9 @@ import truth_dead_volume
 import truth_seal_tester
 
 from pneuservo.diagnosis import diagnose, document, repaired_model
-from pneuservo.diagnosis.document import apart_from, written
+from pneuservo.diagnosis.document import apart_from
 from pneuservo.effects import CATALOGUE
+from pneuservo.naming import written
 from pneuservo.rigs import load_rig
 
 BLOCKS = {

@@ -14,7 +14,7 @@ from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.diagnosis.noise import wander
 from pneuservo.diagnosis.pretence import Pretence
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
 
 
@@ -112,3 +112,15 @@ def test_what_lives_on_the_noise_of_the_recording_does_so_in_copies_too(rig):
     gained = explained(baseline, closer)
     assert gained > 200.0
     assert pretence.of("knowing", baseline, closer) > gained
+
+
+def test_a_copy_of_a_rig_with_noisy_transducers_has_their_noise_once(rig):
+    noise = {"displacement": Transducer(noise=2e-5), "pressure": Transducer(noise=500.0)}
+    noisy_rig = replace(rig, transducers=noise)
+    model, rng = ServoModel(), np.random.default_rng(1)
+    cases = model.cases(recorded(rig, Proportional(), 5, duration=2.0), noisy_rig)
+    values = [{} for _ in cases]
+    copies = model.imitate(cases, values, rng)
+    left = {case.channel: case.measured - model.predict(case, {}) for case in copies}
+    for channel in ("displacement", "pressure_a", "pressure_b"):
+        assert np.nanstd(left[channel]) < 1.2, channel

@@ -10,6 +10,7 @@ from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_followed, likeliest_held_back
 from pneuservo.diagnosis.hypothesis import Hypothesis
+from pneuservo.diagnosis.models.servo.likelihood import compared
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import likelier_with, ranked_readings
 from pneuservo.effects.supply import RIPPLE
@@ -200,3 +201,15 @@ def test_the_observer_allows_for_a_force_in_the_recording_where_there_is_one(rig
     assert allowed[len(still) :] == [1.0] * len(shaken)
     held_back = likeliest_held_back(model, shaken, baseline, used[0])
     assert all(case.inputs["feed"].unsteadiness == 1.0 for case in held_back)
+
+
+def test_what_a_recording_does_not_tell_is_no_other_way_to_read_it(rig):
+    heard = recorded(rig, Proportional(), 3, duration=2.0)
+    quiet = replace(heard, name="quiet", channels=dict(heard.channels))
+    model = ServoModel()
+    cases = [case for each in (heard, quiet) for case in model.cases(each, rig)]
+    # As if the first alone told the set point in steps.
+    other = [case for case in model.readings(cases)[1] if case.origin is heard]
+    ways = compared([cases, other + [case for case in cases if case.origin is quiet]])
+    same = [[case for case in way if case.origin is quiet] for way in ways]
+    assert all(one is two for one, two in zip(*same, strict=True))

@@ -23,7 +23,7 @@ def test_the_size_below_which_a_leak_would_not_show_is_where_it_begins_to():
     sound = document(diagnose([leaking(0.0)]))
     assert sound["verdict"] == "consistent"
     (entry,) = (entry for entry in sound["not_visible"] if entry["effect"] == LEAK)
-    limit = float(re.fullmatch(r"shows only from (\S+) m\*\*2 on \(area\)", entry["why"])[1])
+    limit = float(re.fullmatch(r"shows only from (\S+) m\^2 on \(area\)", entry["why"])[1])
     below = document(diagnose([leaking(0.4 * limit)]))
     assert below["verdict"] == "consistent"
     above = document(diagnose([leaking(2.5 * limit)]))

@@ -158,3 +158,15 @@ def test_other_drifts_leave_the_motion_as_it_was_read():
 def test_a_drift_of_nothing_that_is_known_is_refused():
     with pytest.raises(InputError, match="of is 9; it has to be one of: 0 moved mass"):
         run({DRIFT.id: drift(9, [0.1] * (INTERVALS + 1))})
+
+
+def test_a_drift_counts_from_where_a_run_begins():
+    rig = dataclasses.replace(
+        RIG, effects={"unexplained.drift": drift(0, np.linspace(0.0, 0.2, INTERVALS + 1))}
+    )
+    command = np.sin(20.0 * TIME)
+    early, late = (
+        simulate(rig, time=first + TIME, command=command, initial=START) for first in (0.0, 64.0)
+    )
+    for name in ("displacement", "pressure_a", "pressure_b"):
+        np.testing.assert_allclose(late[name], early[name], rtol=1e-9)

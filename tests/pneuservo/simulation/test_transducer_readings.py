@@ -51,7 +51,7 @@ def test_the_controller_hears_what_is_recorded():
 
 
 def test_a_card_differentiates_the_noise():
-    # Each step of some 20 um, 7 mV, is an impulse that decays with the filter's 56 us.
+    # Some 20 um, 7 mV, that come and go in 0.1 ms are 70 V/s; the filter takes 56 us.
     time = np.arange(0.0, 0.02, 1e-4)
     for controller in (FIGURES, card_of(load_design())):
         taps = [
@@ -168,3 +168,23 @@ def test_other_rigs_and_seeds_are_refused(tmp_path):
         load_rig(tmp_path / "rig.toml")
     with pytest.raises(InputError, match="seed is -1"):
         simulate(with_transducers(**NOISY), time=TIME, command=0.0, seed=-1)
+
+
+def test_the_behaviour_of_the_card_takes_rounded_times_beside_noise():
+    # At 3 kHz, written with a microsecond: off by a thousandth of the interval.
+    time = np.round(np.arange(0.0, 0.02, 1.0 / 3000.0), 6)
+    run = simulate(
+        with_transducers(**NOISY), time=time, controller=card_of(load_design()), demand=0.015
+    )
+    assert np.isfinite(run["card_velocity"]).all()
+
+
+def test_a_card_hears_no_noise_of_a_transducer_at_its_limit():
+    time = np.arange(0.0, 0.1, 1e-3)
+    short = Transducer(noise=20e-6, high=0.010)
+    run = simulate(
+        with_transducers(displacement=short), time=time, controller=card_of(load_design()),
+        demand=0.015,
+    )  # fmt: skip
+    assert np.all(run["displacement"] == 0.010)
+    assert np.std(run["card_velocity"][50:]) < 1e-4

@@ -109,3 +109,17 @@ def test_wrong_use_is_refused_with_status_2(runner, arguments, message):
     result = runner.invoke(main, ["design", *arguments])
     assert result.exit_code == 2
     assert message in result.output
+
+
+def test_a_repaired_rig_is_designed_for_without_its_effects(runner, tmp_path):
+    repaired = tmp_path / "model.toml"
+    effect = '[effects."friction.pressure"]\nsum = 1e-5\n'
+    repaired.write_text(f'[rig]\nkind = "single-axis"\n{effect}')
+    same = [
+        runner.invoke(main, ["design", "--rig", str(rig), "--json"])
+        for rig in ("single-axis", repaired)
+    ]
+    assert [result.exit_code for result in same] == [0, 0]
+    assert "friction.pressure is left out here" in same[1].stderr
+    weights = [json.loads(result.stdout)["weights"] for result in same]
+    assert weights[0] == weights[1]

@@ -62,6 +62,8 @@ def imitated(
     recorded path, so that small differences do not pile up. An ideal relay that runs on switches
     at moments of its own between two samples: that they are not known pretends an effect.
     """
+    # The noise is that of the recording, and is added here: the loop that keeps to it hears none.
+    rig = replace(rig, transducers={})
     supply, source = fed.supply, np.empty(0)
     if supply is not None:
         source = supply_to_be_read(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)

@@ -83,13 +83,12 @@ def compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
     for case in chain(*ways):
         judged = case.inputs["feed"].shares > 0.0
         everywhere[id(case.origin)] = everywhere.get(id(case.origin), True) & judged
-    return [
-        [
-            replace(case, inputs={**case.inputs, "compared": everywhere[id(case.origin)]})
-            for case in way
-        ]
-        for way in ways
-    ]
+    # One that is the same in several readings stays the same: nothing is to be tried twice.
+    marked = {
+        id(case): replace(case, inputs={**case.inputs, "compared": everywhere[id(case.origin)]})
+        for case in chain(*ways)
+    }
+    return [[marked[id(case)] for case in way] for way in ways]
 
 
 def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:

@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models.model import (
     Values,
     are_the_same,
 )
-from pneuservo.diagnosis.models.plausible import require_absolute, require_within_reach
+from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke
 from pneuservo.diagnosis.models.servo.between_samples import (
     tells_noise,
     tells_set_point,
@@ -152,12 +152,12 @@ class ServoModel(Model):
 
         What changes in the course of a recording counts from where that begins.
         """
+        require_absolute(recording, *PRESSURES, SUPPLY)
         return with_stand_ins(recording.from_its_start(), rig)
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
-        require_absolute(recording, *PRESSURES, SUPPLY)
-        require_within_reach(recording, "displacement", rig["piston.stroke"], "the rig's stroke")
+        require_on_stroke(recording, rig["piston.stroke"])
         return self._read(recording, rig, with_running_command)
 
     def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven) -> list[Case]:
