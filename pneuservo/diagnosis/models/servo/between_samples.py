@@ -145,16 +145,10 @@ def _heard(fed: Feed) -> Array:
     return np.where(limited, 0.0, -gain_of_noise(fed.voltage, noise, limited) * noise)
 
 
-def _told(fed: Feed, voltage: Array) -> AtOnce | None:
+def _told(fed: Feed, voltage: Array) -> AtOnce:
     """Return what is known of a command that changes at once, as a feed is read."""
-    told = None
-    if len(fed.set_point):
-        told = at_once(voltage, fed.set_point, fed.gain_of_set_point, fed.in_steps)
-    if not len(fed.heard):
-        return told
-    if told is None:
-        return AtOnce(fed.heard, np.zeros(len(voltage) - 1, dtype=bool))
-    return replace(told, added=told.added + fed.heard)
+    told = at_once(voltage, fed.set_point, fed.gain_of_set_point, fed.in_steps)
+    return replace(told, added=told.added + fed.heard) if len(fed.heard) else told
 
 
 def tells_set_point(fed: Feed) -> bool:

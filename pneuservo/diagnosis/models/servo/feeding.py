@@ -44,11 +44,11 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         if channel in recording
     }
     voltage = _closed(recording["valve_voltage"], time)
-    set_point, gain, told = np.empty(0), 0.0, None
+    set_point, gain = np.empty(0), 0.0
     if "demand" in recording:
         set_point = _closed(recording["demand"], time)
         gain = gain_of_set_point(time, voltage, set_point, _closed(recording["displacement"], time))
-        told = at_once(voltage, set_point, gain)
+    told = at_once(voltage, set_point, gain)
     force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
     pressures = _pressures(recording, rig, float(force[0]))
     loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]

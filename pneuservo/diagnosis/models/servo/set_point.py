@@ -49,7 +49,7 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
     Parameters
     ----------
     voltage, demand : (n,) array
-        Command and set point at the samples [V], [m].
+        Command and set point at the samples [V], [m]; an empty set point changes nothing.
     gain : float
         From `gain_of_set_point`; 0 where it is not known [V/m].
     in_steps : bool, optional
@@ -70,6 +70,8 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
     >>> at_once(voltage, demand, 0.0).unknown.tolist()
     [False, False, True, False, False]
     """
+    if not len(demand):
+        return AtOnce(np.zeros_like(voltage), np.zeros(len(voltage) - 1, dtype=bool))
     change = np.diff(demand)
     sudden = change != 0.0 if in_steps else jumping(demand)
     if not gain:
