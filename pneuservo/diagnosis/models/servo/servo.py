@@ -347,14 +347,7 @@ class ServoModel(Model):
         for case, mine in zip(cases, values, strict=True):
             fed: Feed = case.inputs["feed"]
             if id(fed) not in copies:
-                own = mine.get(ZERO_FORCE, 0.0), mine.get(SUPPLY_LEVEL, 0.0)
-                rig = case.rig.with_own_values(mine)
-                try:
-                    copies[id(fed)] = imitated(fed, case.recording, rig, *own, rng)
-                except InputError:
-                    # Fitted to a path that the observer kept it on, it may run away on its own.
-                    rig = replace(rig, effects={})
-                    copies[id(fed)] = imitated(fed, case.recording, rig, *own, rng)
+                copies[id(fed)] = _imitated(case, mine, rng)
             copy = copies[id(fed)]
             reading = copy.reading
             if case.channel in PRESSURES:
@@ -393,3 +386,21 @@ def _followed(cases: Sequence[Case], as_given: AsGiven) -> list[Case]:
         other = feeds[id(fed)]
         found.append(case if other is fed else replace(case, inputs={**case.inputs, "feed": other}))
     return found
+
+
+def _imitated(case: Case, values: Values, rng: np.random.Generator) -> Feed:
+    """Return a recording as the rig of some values would have given it, or one like it.
+
+    Fitted to a path that the observer kept it on, a rig may run away on its own: then it is
+    imitated without its effects, or as it was before it was fitted. A recording that no rig can
+    follow stands for its own copy: what it gains is pretended.
+    """
+    fed: Feed = case.inputs["feed"]
+    own = values.get(ZERO_FORCE, 0.0), values.get(SUPPLY_LEVEL, 0.0)
+    fitted = case.rig.with_own_values(values)
+    for rig in (fitted, replace(fitted, effects={}), replace(case.rig, effects={})):
+        try:
+            return imitated(fed, case.recording, rig, *own, rng)
+        except InputError:
+            continue
+    return fed
