@@ -124,7 +124,7 @@ class Diagnosis:
         them only a coloured residual counts that depends on something that was recorded: noise
         may be coloured too, but it does not know where the piston is.
         """
-        ratio = max(self._times_noise.values())
+        ratio = self._times_noise
         if ratio < SUSPICIOUS_RATIO:
             return False
         recorded = [case for case in self.search.cases if case.recorded]
@@ -137,17 +137,17 @@ class Diagnosis:
         return self.left_over.beyond_chance
 
     @property
-    def _times_noise(self) -> dict[str, float]:
-        """Return how many times its noise each recorded channel is left at."""
+    def _times_noise(self) -> float:
+        """Return how many times its noise the recorded channel is left at that is farthest off."""
         search = self.search
         noise: dict[str, list[float]] = {}
         for case, level in zip(search.cases, search.unit_of_noise, strict=True):
             if case.recorded:
                 noise.setdefault(case.channel, []).append(level)
-        return {
-            channel: self.repaired.rms_of(channel) / float(np.sqrt(np.mean(np.square(levels))))
+        return max(
+            self.repaired.rms_of(channel) / float(np.sqrt(np.mean(np.square(levels))))
             for channel, levels in noise.items()
-        }
+        )
 
     @cached_property
     def left_over(self) -> Dependence:

@@ -1,6 +1,6 @@
 """Parameters far from nominal: which are wrong, and what candidates promise if they are not."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -97,8 +97,7 @@ def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> b
     noise : sequence of float
         Of the judged channel of each [unit of the case].
     """
-    left = zip(cases, found.residuals, noise, strict=True)
-    return all(rms([r]) < LEAVES_NOISE * size for case, r, size in left if case.recorded)
+    return all(left < LEAVES_NOISE * size for _, left, size in _left(cases, found, noise))
 
 
 def are_judged(
@@ -113,12 +112,20 @@ def are_judged(
     channels : collection of str
         Those that a model may follow.
     """
-    left = zip(cases, found.residuals, noise, strict=True)
     return all(
-        rms([r]) > FOLLOWED * size
-        for case, r, size in left
-        if case.recorded and case.channel in channels
+        left > FOLLOWED * size
+        for channel, left, size in _left(cases, found, noise)
+        if channel in channels
     )
+
+
+def _left(
+    cases: Sequence[Case], found: Fit, noise: Sequence[float]
+) -> Iterator[tuple[str, float, float]]:
+    """Yield each recorded channel of each recording, what is left of it, and its noise."""
+    for case, residual, size in zip(cases, found.residuals, noise, strict=True):
+        if case.recorded:
+            yield case.channel, rms([residual]), size
 
 
 def _from_nominal(found: Fit) -> dict[str, float]:

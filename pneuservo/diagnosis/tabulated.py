@@ -158,7 +158,7 @@ class Tabulated:
         Returns
         -------
         found : Fit
-            With the table; what that may take over from a value widens the interval of it.
+            With the table; its intervals are those without, see `beside_table`.
         steps : (p, k) array
             What it has at its knots.
         columns : (n, p k) array
@@ -177,7 +177,7 @@ class Tabulated:
                 break
             found, steps, gain = closer, moved, more
             columns = self.changes(found, steps=steps)
-        return _beside_table(base, found, columns, len(steps)), steps, columns
+        return found, steps, columns
 
     def _with_heights(
         self, base: Fit, steps: Steps
@@ -268,7 +268,7 @@ def spread_of_shape(base: Fit, columns: Array, parts: int) -> Array:
     return spread
 
 
-def _beside_table(base: Fit, found: Fit, columns: Array, parts: int) -> Fit:
+def beside_table(base: Fit, found: Fit, columns: Array, parts: int) -> Fit:
     """Return a fit with the intervals of its values that are right beside a table.
 
     None is narrower than without the table: those of sizes allow for the forms of laws.
@@ -276,11 +276,16 @@ def _beside_table(base: Fit, found: Fit, columns: Array, parts: int) -> Fit:
     Parameters
     ----------
     base, found : Fit
-        Without and with the table.
+        Without and with the table, see `Tabulated.fitted`.
     columns : (n, p k) array
         What every knot changes.
     parts : int
         So many tables.
+
+    Returns
+    -------
+    Fit
+        With the table, other intervals and another covariance.
     """
     _, plain = _rows(found, columns, parts)
     values, knots = len(found.keys), columns.shape[1]

@@ -13,6 +13,7 @@ from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import most_gained, spans_beyond
 from pneuservo.diagnosis.tabulated import (
     Tabulated,
+    beside_table,
     coarse_shapes,
     of_channels,
     spread_of_shape,
@@ -273,4 +274,5 @@ def _fitted(tabulated: Tabulated, base: Fit, columns: Array, copies: Copies) -> 
     spread = spread_of_shape(weighed, moved, len(steps))[shown]
     low, high = (table.values[key] for key in (table.low, table.high))
     knots = np.linspace(low, high, len(table.knots))
+    found = beside_table(base, found, moved, len(steps))
     return Unexplained(table, knots, values[shown], spread * table.step, gain, 0.0, found)

@@ -159,7 +159,7 @@ def _claim(entry: dict[str, Any]) -> str:
         return str(entry["statement"])
     physics, _, _ = entry["statement"].partition(";")
     physics = f"{physics[0].lower()}{physics[1:]}".rstrip(".")
-    rivals = [name for name in entry["class"] if name != entry["effect"]]
+    rivals = entry["class"][1:]
     if not rivals:
         return f"It may be that {physics}, but more likely that only stands in for something else."
     return (

@@ -110,7 +110,7 @@ def run_with_effects(
     hears = law.source != HELD_VOLTAGE and bool(noise.displacement.any())
     parts = _parts(driven.time, largest_step) if hears else 1
     finer = in_parts(driven.time, parts)
-    held = np.minimum(np.arange(len(finer)) // parts, len(driven.time) - 1)
+    held = np.arange(len(finer)) // parts
     place = rest if initial.displacement is None else initial.displacement
     own = float(driven.force[0]) + resting_force(place, plant, effects)
     inputs = servo_inputs(
@@ -136,8 +136,6 @@ def run_with_effects(
 
 def _parts(time: Samples, largest_step: float) -> int:
     """Return into how many parts intervals are divided for the noise that a loop hears."""
-    if len(time) < 2:
-        return 1
     return max(_LEAST_PARTS, round(float(np.median(np.diff(time))) / largest_step))
 
 

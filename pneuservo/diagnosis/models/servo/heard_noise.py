@@ -43,8 +43,10 @@ def gain_of_noise(voltage: Array, noise: Array, limited: NDArray[np.bool_]) -> f
 
     cause, given = np.diff(noise, _ORDER), -np.diff(voltage, _ORDER)
     free = ~binary_dilation(limited, np.ones(2 * _ORDER + 1))[_ORDER // 2 : -(_ORDER // 2)]
+    if not free.any():
+        return 0.0
     # What jumps for other reasons tells nothing of noise.
-    free &= np.abs(given) < _A_JUMP * np.median(np.abs(given[free])) if free.any() else False
+    free &= np.abs(given) < _A_JUMP * np.median(np.abs(given[free]))
     cause, given = cause[free], given[free]
     size = float(cause @ cause)
     if size <= 0.0:

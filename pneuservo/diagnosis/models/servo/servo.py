@@ -90,6 +90,14 @@ _REVERSALS = (0.2, 20.0)
 _STANDS_STILL = 0.5
 """Share of the intervals in which a command does that comes from a table and not from a loop."""
 _ROWS = (*CHANNELS, AT_REST)
+# Ways to read a command other than as one that runs on, and the recordings for which each is one.
+_OTHER_WAYS: tuple[tuple[AsGiven, Callable[[Feed], bool]], ...] = (
+    (with_held_command, lambda fed: True),
+    (with_command_of_before, lambda fed: True),
+    (with_set_point_in_steps, tells_set_point),
+    (with_heard_noise, tells_noise),
+    (with_noise_that_runs_on, tells_noise),
+)
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
 
@@ -219,23 +227,19 @@ class ServoModel(Model):
         whose set point comes from a converter jumps with that, and runs on in between; so does one
         that hears the noise of a transducer which is sampled.
         """
-        ways = [
-            list(cases),
-            self._otherwise(cases, with_held_command),
-            self._otherwise(cases, with_command_of_before),
+        feeds = [case.inputs["feed"] for case in cases if case.inputs["leads"]]
+        others = [
+            self._otherwise(cases, as_given, where)
+            for as_given, where in _OTHER_WAYS
+            if any(where(fed) for fed in feeds)
         ]
-        if any(tells_set_point(case.inputs["feed"]) for case in cases):
-            ways.append(self._otherwise(cases, with_set_point_in_steps, tells_set_point))
-        if any(tells_noise(case.inputs["feed"]) for case in cases):
-            ways.append(self._otherwise(cases, with_heard_noise, tells_noise))
-            ways.append(self._otherwise(cases, with_noise_that_runs_on, tells_noise))
-        return compared(ways)
+        return compared([list(cases), *others])
 
     def _otherwise(
         self,
         cases: Sequence[Case],
         as_given: AsGiven,
-        where: Callable[[Feed], bool] = lambda fed: True,
+        where: Callable[[Feed], bool],
     ) -> list[Case]:
         """Return the cases read in another way; those of which nothing could be judged as before.
 
