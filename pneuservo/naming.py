@@ -63,19 +63,3 @@ def _there_are(name: str, known: Collection[str]) -> str:
         close = difflib.get_close_matches(name, list(known), CLOSEST_LISTED, 0.0)
         return f"there are {len(known)}, among them: {', '.join(close)}{nearest(name, known)}"
     return f"there are: {', '.join(known) or 'none'}{nearest(name, known)}"
-
-
-def written(unit: str) -> str:
-    """Return a unit as answers spell it.
-
-    Parameters
-    ----------
-    unit : str
-        SI, as the catalogue spells it.
-
-    Examples
-    --------
-    >>> written("m**2")
-    'm^2'
-    """
-    return unit.replace("**", "^")

@@ -16,9 +16,9 @@ from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.sessions import between_sessions, session_of
 from pneuservo.diagnosis.side_by_side import at_a_time
 from pneuservo.diagnosis.unexplained import Unexplained
+from pneuservo.diagnosis.units import with_units_as_written
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
-from pneuservo.naming import written
 from pneuservo.rigs import load_rig
 
 SCHEMA = 1
@@ -155,29 +155,6 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         "diagnosis": {"verdict": diagnosis.verdict} | _session(diagnosis.search),
     }
     return dict(with_units_as_written(model))
-
-
-def with_units_as_written(answer: Any) -> Any:
-    """Return plain data with every unit in it spelt as the answer spells them.
-
-    Parameters
-    ----------
-    answer : dict, list or anything else
-        Of dicts those entries count that are called ``unit``.
-
-    Examples
-    --------
-    >>> with_units_as_written([{"value": 1.0, "unit": "kg/(s*Pa**2)"}])
-    [{'value': 1.0, 'unit': 'kg/(s*Pa^2)'}]
-    """
-    if isinstance(answer, list):
-        return [with_units_as_written(entry) for entry in answer]
-    if not isinstance(answer, dict):
-        return answer
-    return {
-        key: written(entry) if key == "unit" else with_units_as_written(entry)
-        for key, entry in answer.items()
-    }
 
 
 def _nominal(diagnosis: Diagnosis, key: str) -> float:

@@ -11,8 +11,8 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import change_by
+from pneuservo.diagnosis.units import written
 from pneuservo.effects import Effect
-from pneuservo.naming import written
 
 DETECTABLE = 4.0
 """An effect shows when its signature is this many standard deviations long: what is shorter is

@@ -11,8 +11,8 @@ import truth_seal_tester
 
 from pneuservo.diagnosis import diagnose, document, repaired_model
 from pneuservo.diagnosis.document import apart_from
+from pneuservo.diagnosis.units import written
 from pneuservo.effects import CATALOGUE
-from pneuservo.naming import written
 from pneuservo.rigs import load_rig
 
 BLOCKS = {
