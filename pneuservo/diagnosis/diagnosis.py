@@ -341,7 +341,7 @@ def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     rig = rig.with_conditions(recording.conditions)
     recording = model.completed(recording, rig)
     model.require_channels(recording)
-    return model.cases(recording, rig)
+    return model.cases(model.with_word_of_unread(recording), rig)
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -212,6 +212,8 @@ class Model:
     """Block that parameters belong to whose id begins with no block."""
     late: ClassVar[tuple[str, ...]] = ()
     """Blocks whose effects are like a command that is read in another way."""
+    unread: ClassVar[tuple[str, ...]] = ()
+    """Channels of the rig that the model has no use for."""
 
     def __init__(self, without: frozenset[str] = frozenset()):
         self.without = without
@@ -245,6 +247,18 @@ class Model:
                 f"{', '.join(recording.channels) or 'none'}. Map the missing one in the sidecar's "
                 "[channels], or name another rig with --rig"
             )
+
+    def with_word_of_unread(self, recording: Recording) -> Recording:
+        """Return a recording with a warning for the channels of it that are not read, if any."""
+        names = [name for name in self.unread if name in recording]
+        if not names:
+            return recording
+        several = len(names) > 1
+        warning = (
+            f"{' and '.join(names)} {'were' if several else 'was'} recorded, but the diagnosis of "
+            f"a {self.kind} rig does not read {'them' if several else 'it'}"
+        )
+        return replace(recording, warnings=(*recording.warnings, warning))
 
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording as this model needs it."""

@@ -65,6 +65,7 @@ def carry_on(
     reversal,
     unsteadiness,
     turning_unsteadiness,
+    force_rms,
     interval,
     spread,
     held,
@@ -90,6 +91,8 @@ def carry_on(
         Smoothed velocity of the piston, and over how much of it friction turns round [m/s].
     unsteadiness, turning_unsteadiness : float
         Unmodelled force as a multiple of `FORCE_STEP`, and of `TURNING_STEP` [-].
+    force_rms : float
+        Noise of the force at the rod, as it was measured [N].
     interval : float
         [s].
     spread : (2,) array
@@ -148,6 +151,8 @@ def carry_on(
     unknown = unsteadiness * FORCE_STEP + turning_unsteadiness * TURNING_STEP * turning
     unknown *= piston.coulomb_friction / mass
     covariance[SPEED, SPEED] += unknown * unknown * FORCE_TIME * interval
+    # Each reading of the force is wrong for one interval.
+    covariance[SPEED, SPEED] += (force_rms * interval / mass) ** 2
     return decays
 
 

@@ -44,7 +44,7 @@ def with_pressures(fed: Feed, rig: Rig) -> Feed:
     """
     for _ in range(0 if all(fed.measured) else PASSES):
         _, _, path, known, _ = learn_to_observe(fed, rig)
-        force_rms = float(np.median(known[len(known) // 10 :]))
+        force_rms = float(np.hypot(np.median(known[len(known) // 10 :]), fed.force_rms))
         pressures = fed.pressures.copy()
         for side, there in enumerate(fed.measured):
             if not there:

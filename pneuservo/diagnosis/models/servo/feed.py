@@ -65,6 +65,8 @@ class Feed:
         Spool position as measured; empty where it was not [-].
     force : (n,) array
         At the rod [N].
+    force_rms : float
+        Its noise; 0 where it was not measured [N].
     held : (n,) array of bool
         While the piston sticks or lies at a stop.
     reversal : float
@@ -82,7 +84,8 @@ class Feed:
     noise : mapping of str to float
         Noise of each judged channel [SI].
     spread_of_force : float
-        What the noise of both pressures makes of the force on the piston [N].
+        What the noise of both pressures, and of the force at the rod, makes of the force on the
+        piston [N].
     chatter : float
         Share of the time in which the piston chatters by less than its displacement tells [-].
     motion_memory : float
@@ -115,6 +118,7 @@ class Feed:
     supply_reading: Array
     spool_reading: Array
     force: Array
+    force_rms: float
     held: NDArray[np.bool_]
     reversal: float
     velocity_rms: Array
@@ -158,7 +162,7 @@ class Feed:
 
     @cached_property
     def force_rms_at_rest(self) -> float:
-        """Return how well averages of both pressures tell the force on a piston at rest [N]."""
+        """Return how well averages of what was measured tell the force on a piston at rest [N]."""
         samples = averaged_samples(self.interval, AVERAGED_AT_REST)
         return self.spread_of_force * math.sqrt(1.0 / samples + LIKELY_WANDER**2)
 

@@ -49,10 +49,13 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         set_point = _closed(recording["demand"], time)
         gain = gain_of_set_point(time, voltage, set_point, _closed(recording["displacement"], time))
     told = at_once(voltage, set_point, gain)
-    force = _closed(recording["force"], time) if "force" in recording else np.zeros_like(time)
+    force, force_rms = np.zeros_like(time), 0.0
+    if "force" in recording:
+        force = _closed(recording["force"], time)
+        force_rms = recording.noise_rms.get("force") or noise_level(force, time)
     pressures = _pressures(recording, rig, float(force[0]))
     loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
-    spread_of_force = math.hypot(*loads)
+    spread_of_force = math.hypot(*loads, force_rms)
     fed = Feed(
         time=time,
         voltage=voltage,
@@ -69,6 +72,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         supply_reading=recording.channels.get(SUPPLY, np.empty(0)),
         spool_reading=recording.channels.get("spool", np.empty(0)),
         force=force,
+        force_rms=force_rms,
         held=np.zeros(len(time), dtype=bool),
         reversal=SLOWEST_MOTION,
         velocity_rms=np.full_like(time, SLOWEST_MOTION),

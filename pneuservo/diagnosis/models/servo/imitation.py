@@ -79,8 +79,12 @@ def imitated(
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
         true = source if name == SUPPLY else run[name]
         channels[name] = true + fed.noise[name] * noise
-    copy = feed(replace(recording, channels=channels, noise_rms=fed.noise), rig)
-    copy = with_pressures(replace(copy, supply=fed.supply, force=fed.force), rig)
+    noise_rms = dict(fed.noise)
+    if "force" in recording:
+        noise_rms["force"] = fed.force_rms
+        channels["force"] = fed.force + fed.force_rms * rng.standard_normal(len(fed.time))
+    copy = feed(replace(recording, channels=channels, noise_rms=noise_rms), rig)
+    copy = with_pressures(replace(copy, supply=fed.supply), rig)
     motion = copy.motion.copy()
     motion[1:, fed.resting != 0] = 0.0
     return replace(
@@ -93,6 +97,7 @@ def imitated(
         pressure_rates=copy.pressure_rates,
         supply_reading=copy.supply_reading,
         spool_reading=copy.spool_reading,
+        force=copy.force,
         # It comes to rest at times of its own; only what both tell is judged.
         held=np.where(fed.resting != 0, fed.held, copy.held),
         stuck=copy.stuck & fed.stuck,

@@ -32,7 +32,8 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     rig : Rig
         The rig it was taken on.
     force_rms : float or None
-        How well the pressures tell the force on the piston; None where they do not [N].
+        How well pressures and the rod's force tell the force on the piston; None where they do not
+        [N].
     """
     mass = rig["load.mass"]
     driving = None

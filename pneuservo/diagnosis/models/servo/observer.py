@@ -64,6 +64,7 @@ def observe(
     true,
     supply,
     external_force,
+    force_rms,
     held,
     resting,
     stuck,
@@ -100,6 +101,8 @@ def observe(
         At the valve's supply port, or of the source behind a reservoir [Pa].
     external_force : (n,) array
         At the rod, positive when it resists extension [N].
+    force_rms : float
+        Noise of that, as it was measured [N].
     held : (n,) array of bool
         While the piston sticks or lies at a stop: its motion is taken over, and its displacement
         tells nothing ...
@@ -109,9 +112,9 @@ def observe(
         While nothing but friction holds the piston.
     velocity_rms : (n,) array
         How well the velocity is known that is taken over [m/s].
-    averaged : (2, n) array
-        Pressures whose force a stuck piston is judged by: the followed ones are off by whatever
-        flows are [Pa].
+    averaged : (3, n) array
+        Pressures [Pa] and force at the rod [N] that a stuck piston is judged by: the followed
+        pressures are off by whatever flows are.
     reversal : float
         Speed over which friction turns round [m/s].
     unsteadiness, turning_unsteadiness : float
@@ -207,6 +210,7 @@ def observe(
                 reversal,
                 unsteadiness,
                 turning_unsteadiness,
+                force_rms,
                 interval,
                 spread[:, k],
                 held[k],
@@ -344,7 +348,7 @@ def observe(
             followed_a, followed_b = state[PRESSURE_A], state[PRESSURE_B]
             state[PRESSURE_A], state[PRESSURE_B] = averaged[0, k + 1], averaged[1, k + 1]
             at_rest[0, k + 1], at_rest[1, k + 1] = balance_at_rest(
-                time[k + 1], state, after[1], rested, external_force[k + 1], servo
+                time[k + 1], state, after[1], rested, averaged[2, k + 1], servo
             )
             state[PRESSURE_A], state[PRESSURE_B] = followed_a, followed_b
     return left, path, known, drawn, at_rest, decays

@@ -239,6 +239,7 @@ def _observe(
         effects = effects._replace(supply=SupplyEffects())
     motion, pressures = truth(fed, plant, effects)
     there = np.array(fed.measured)[:, np.newaxis]
+    force = fed.force + values.get(ZERO_FORCE, 0.0)
     # How far a lagging transducer is behind, the observer knows better than smoothed rates do.
     lagging = pressures - effects.sensor.pressure_lag * fed.pressure_rates / _as_read(effects)
     servo, state, supply = _chain(
@@ -258,12 +259,13 @@ def _observe(
         fed.motion,
         motion,
         supply,
-        fed.force + values.get(ZERO_FORCE, 0.0),
+        force,
+        fed.force_rms,
         fed.held,
         fed.resting,
         fed.stuck,
         fed.velocity_rms,
-        averaged(pressures, fed.interval, AVERAGED_AT_REST),
+        averaged(np.vstack([pressures, force]), fed.interval, AVERAGED_AT_REST),
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.unsteadiness,
         fed.turning_unsteadiness,

@@ -133,6 +133,12 @@ class ServoModel(Model):
     # Whether a spool that swings beyond a large command hits the end of its travel.
     ridges: ClassVar[tuple[str, ...]] = ("valve.spool.damping",)
     late: ClassVar[tuple[str, ...]] = ("valve.spool", "lines")
+    unread: ClassVar[tuple[str, ...]] = (
+        "velocity",
+        "acceleration",
+        "temperature_a",
+        "temperature_b",
+    )
 
     @property
     def effects(self) -> tuple[Effect, ...]:
