@@ -1,5 +1,7 @@
 """What a command does between its samples."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from pneuservo.diagnosis.models.servo.command import (
     running_command,
     unseen,
 )
+from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.set_point import at_once
 
 INTERVAL = 1e-3
@@ -92,3 +95,21 @@ def test_finer_samples_are_joined_by_straight_lines():
     fine = np.arange(0.0, 0.01, 1e-4)
     assert running_command(fine, fine, FULL).shape == (len(fine), 2)
     assert held_command(fine)[3].tolist() == [fine[3], fine[3]]
+
+
+@pytest.mark.parametrize(
+    ("command", "stored"),
+    [
+        pytest.param(np.repeat([0.0, 2.0, -1.0, 3.0, 0.5], 40), True, id="steps from a table"),
+        pytest.param(np.repeat([-5.0, 5.0], 100), False, id="an ideal relay"),
+        pytest.param(
+            np.clip(40.0 * np.sin(np.arange(400) / 30.0), -5.0, 5.0),
+            False,
+            id="a loop at its limit",
+        ),
+        pytest.param(np.zeros(100), False, id="no command at all"),
+    ],
+)
+def test_only_steps_from_a_table_count_as_stored(command, stored):
+    case = SimpleNamespace(inputs={"feed": SimpleNamespace(voltage=command)})
+    assert ServoModel().stored(case) is stored

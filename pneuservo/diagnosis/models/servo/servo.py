@@ -264,10 +264,15 @@ class ServoModel(Model):
         return found
 
     def stored(self, case: Case) -> bool:
-        """Return whether the command stands still but for jumps and is not that of a relay."""
+        """Return whether the command stands still but for jumps and is not that of a relay.
+
+        At its highest and its lowest that of a loop stands still, too.
+        """
         voltage = case.inputs["feed"].voltage
-        still = float(np.mean(np.diff(voltage) == 0.0))
-        return still > _STANDS_STILL and not is_relay(voltage)
+        between = (voltage > np.min(voltage)) & (voltage < np.max(voltage))
+        inside = between[1:] | between[:-1]
+        still = np.mean(np.diff(voltage)[inside] == 0.0) if inside.any() else 0.0
+        return bool(still > _STANDS_STILL) and not is_relay(voltage)
 
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with as much of an unmodelled force as ever, with little, and unsure.
