@@ -31,9 +31,9 @@ def rig():
     return replace(load_rig("single-axis"), transducers=noise)
 
 
-def likeliest(run, rig):
+def likeliest(run, rig, time=TIME):
     channels = {name: run[name] for name in RECORDED}
-    cases = ServoModel().cases(Recording("run", TIME, channels, noise_rms=NOISE), rig)
+    cases = ServoModel().cases(Recording("run", time, channels, noise_rms=NOISE), rig)
     model = ServoModel()
     best = ranked_readings(model, model.readings(cases), lambda step: None)[0]
     spool = best.baseline.shared[FREQUENCY]
@@ -59,6 +59,17 @@ def test_noise_that_stays_from_sample_to_sample(rig):
     fed = likeliest(heard, rig)
     assert fed.ramped
     assert len(fed.heard)
+
+
+def test_noise_that_runs_on_beside_a_set_point_that_comes_in_steps(rig):
+    time = np.arange(0.0, 4.0, 1e-3)
+    demand = 0.015 + 3e-3 * np.sin(4.4 * time) + 1e-3 * np.sin(38.0 * time)
+    loop = SlidingMode(boundary_layer=20.0)
+    run = simulate(rig, time=time, controller=loop, demand=demand, seed=1)
+    fed = likeliest(run.channels, rig, time)
+    assert fed.in_steps
+    # Read with the steps alone, all that it hears is unknown between samples.
+    assert np.median(fed.unseen) < 0.02
 
 
 def test_a_command_that_a_computer_changes_just_after_it_was_recorded(rig):

@@ -1,6 +1,7 @@
 """How recordings of the servo are read: hum, stops, the supply, and what the command does."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,12 @@ from pneuservo.diagnosis.followed import likeliest_followed, likeliest_held_back
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.likelihood import compared
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.readings import likelier_with, ranked_readings
+from pneuservo.diagnosis.readings import (
+    Reading,
+    least_strained_first,
+    likelier_with,
+    ranked_readings,
+)
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
@@ -213,3 +219,24 @@ def test_what_a_recording_does_not_tell_is_no_other_way_to_read_it(rig):
     ways = compared([cases, other + [case for case in cases if case.origin is quiet]])
     same = [[case for case in way if case.origin is quiet] for way in ways]
     assert all(one is two for one, two in zip(*same, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("unlikely", "penalty", "first"),
+    [
+        pytest.param((100.0, 130.0), (20.0, 5.0), 1, id="hardly less likely, and nothing strained"),
+        pytest.param((100.0, 130.0), (12.0, 5.0), 0, id="nothing to speak of is strained"),
+        pytest.param((100.0, 160.0), (20.0, 5.0), 0, id="less likely"),
+        pytest.param((100.0, 110.0, 140.0), (20.0, 21.0, 4.0), 2, id="one behind another"),
+    ],
+)
+def test_of_ways_that_are_hardly_told_apart_the_one_that_strains_nothing_is_taken(
+    unlikely, penalty, first
+):
+    ranked = [
+        Reading([], SimpleNamespace(penalty=strain), size)
+        for strain, size in zip(penalty, unlikely, strict=True)
+    ]
+    found = least_strained_first(ranked)
+    assert found[0] is ranked[first]
+    assert len(found) == len(ranked)

@@ -131,6 +131,48 @@ def tells_noise(fed: Feed) -> bool:
     return bool(np.any(_heard(fed)))
 
 
+def with_heard_noise_and_steps(fed: Feed, rig: Rig) -> Feed:
+    """Return the feed of an analogue loop whose set point and heard noise both come in steps.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording that tells both, see `tells_both`.
+    rig : Rig
+        The rig it was taken on.
+    """
+    return with_heard_noise(with_set_point_in_steps(fed, rig), rig)
+
+
+def with_steps_and_noise_that_runs_on(fed: Feed, rig: Rig) -> Feed:
+    """Return the feed of an analogue loop whose set point comes in steps, and noise does not.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording that tells both, see `tells_both`.
+    rig : Rig
+        The rig it was taken on.
+
+    Notes
+    -----
+    Simulated loops do so. With ways for the one and for the other alone, that of a sliding mode was
+    called a displacement that reads late.
+    """
+    return with_noise_that_runs_on(with_set_point_in_steps(fed, rig), rig)
+
+
+def tells_both(fed: Feed) -> bool:
+    """Return whether a command tells the steps of its set point and that it hears noise.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    """
+    return tells_set_point(fed) and tells_noise(fed)
+
+
 def _read_again(fed: Feed, rig: Rig) -> Feed:
     """Return a feed whose command runs on with what is known of it now."""
     told = _told(fed, fed.voltage)

@@ -20,14 +20,17 @@ from pneuservo.diagnosis.models.model import (
 )
 from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke
 from pneuservo.diagnosis.models.servo.between_samples import (
+    tells_both,
     tells_noise,
     tells_set_point,
     with_command_of_before,
     with_heard_noise,
+    with_heard_noise_and_steps,
     with_held_command,
     with_noise_that_runs_on,
     with_running_command,
     with_set_point_in_steps,
+    with_steps_and_noise_that_runs_on,
 )
 from pneuservo.diagnosis.models.servo.command import is_relay
 from pneuservo.diagnosis.models.servo.estimate import with_gains
@@ -97,6 +100,8 @@ _OTHER_WAYS: tuple[tuple[AsGiven, Callable[[Feed], bool]], ...] = (
     (with_set_point_in_steps, tells_set_point),
     (with_heard_noise, tells_noise),
     (with_noise_that_runs_on, tells_noise),
+    (with_heard_noise_and_steps, tells_both),
+    (with_steps_and_noise_that_runs_on, tells_both),
 )
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
