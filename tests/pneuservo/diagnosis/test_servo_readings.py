@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from servo_recordings import NOISE, noisy, recorded
 
-from pneuservo.controllers import Proportional, SlidingMode
+from pneuservo.controllers import DT2812A, DigitalSlidingMode, Proportional, SlidingMode
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_followed, likeliest_held_back
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.likelihood import compared
+from pneuservo.diagnosis.models.servo.run_observer import COMMAND_DELAY
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import (
     Reading,
@@ -219,6 +220,33 @@ def test_what_a_recording_does_not_tell_is_no_other_way_to_read_it(rig):
     ways = compared([cases, other + [case for case in cases if case.origin is quiet]])
     same = [[case for case in way if case.origin is quiet] for way in ways]
     assert all(one is two for one, two in zip(*same, strict=True))
+
+
+def likeliest_baseline(recording, rig):
+    model = ServoModel()
+    ways = model.readings(model.cases(recording, rig))
+    best = ranked_readings(model, ways, lambda step: None)[0]
+    return best.cases[0].inputs["feed"], best.baseline
+
+
+def test_a_command_whose_set_point_was_not_recorded_jumps_at_samples_where_it_does(rig):
+    recording = recorded(rig, Proportional(gain=2.0), seed=3, interval=2e-3)
+    fed, found = likeliest_baseline(replace(recording, noise_rms=NOISE), rig)
+    assert fed.jumps_at_samples
+    assert found.shared["valve.spool.frequency"] == pytest.approx(200.0, rel=0.05)
+
+
+def test_what_converters_take_is_no_delay_of_the_valve(rig):
+    loop = DigitalSlidingMode(board=DT2812A)
+    time = np.arange(0.0, 3.0, 5e-4)
+    demand = np.repeat([0.012, 0.018, 0.015], len(time) // 3)
+    run = simulate(rig, time=time, controller=loop, demand=demand)
+    fine = NOISE | {"pressure_a": 200.0, "pressure_b": 200.0}
+    recording = replace(noisy(run, np.random.default_rng(1), fine), noise_rms=fine)
+    fed, found = likeliest_baseline(recording, rig)
+    assert not fed.ramped
+    assert found.own[0][COMMAND_DELAY] == pytest.approx(DT2812A.delay(1), abs=4e-6)
+    assert max(np.std(left) for left in found.residuals) < 1.05
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,34 @@
 """Feeds whose command is read in one way or another between its samples."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.models.servo.command import held_command, running_command, unseen
+from pneuservo.diagnosis.models.servo.command import (
+    held_command,
+    is_relay,
+    running_command,
+    unseen,
+)
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.heard_noise import gain_of_noise
 from pneuservo.diagnosis.models.servo.moved import with_spread
-from pneuservo.diagnosis.models.servo.set_point import AtOnce, at_its_limit, at_once, jumping
+from pneuservo.diagnosis.models.servo.set_point import (
+    AtOnce,
+    at_its_limit,
+    at_once,
+    at_samples,
+    jumping,
+)
 from pneuservo.rigs import Rig
+
+AsGiven = Callable[[Feed, Rig], Feed]
+"""One way to read or to follow a recording."""
+Asked = Callable[[Feed], bool]
+"""Whether a way would make a difference to a recording."""
 
 _MOVES = 0.1
 """Share of the intervals in which a set point moves that does not only jump."""
@@ -82,6 +100,25 @@ def with_set_point_in_steps(fed: Feed, rig: Rig) -> Feed:
     return _read_again(replace(fed, in_steps=True), rig)
 
 
+def with_jumps_at_samples(fed: Feed, rig: Rig) -> Feed:
+    """Return the feed of an analogue loop whose command jumps at samples.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording that has such jumps, see `jumps_untold`.
+    rig : Rig
+        The rig it was taken on.
+
+    Notes
+    -----
+    The computer that records often makes the set point, too; where that is not in the recording,
+    the command's own jumps tell when it did. Taken to be anywhere in their intervals, they made a
+    spool of 200 Hz one of 140.
+    """
+    return _read_again(replace(fed, jumps_at_samples=True), rig)
+
+
 def with_heard_noise(fed: Feed, rig: Rig) -> Feed:
     """Return the feed of an analogue loop that hears the noise of its reading in steps.
 
@@ -131,48 +168,6 @@ def tells_noise(fed: Feed) -> bool:
     return bool(np.any(_heard(fed)))
 
 
-def with_heard_noise_and_steps(fed: Feed, rig: Rig) -> Feed:
-    """Return the feed of an analogue loop whose set point and heard noise both come in steps.
-
-    Parameters
-    ----------
-    fed : Feed
-        Of a recording that tells both, see `tells_both`.
-    rig : Rig
-        The rig it was taken on.
-    """
-    return with_heard_noise(with_set_point_in_steps(fed, rig), rig)
-
-
-def with_steps_and_noise_that_runs_on(fed: Feed, rig: Rig) -> Feed:
-    """Return the feed of an analogue loop whose set point comes in steps, and noise does not.
-
-    Parameters
-    ----------
-    fed : Feed
-        Of a recording that tells both, see `tells_both`.
-    rig : Rig
-        The rig it was taken on.
-
-    Notes
-    -----
-    Simulated loops do so. With ways for the one and for the other alone, that of a sliding mode was
-    called a displacement that reads late.
-    """
-    return with_noise_that_runs_on(with_set_point_in_steps(fed, rig), rig)
-
-
-def tells_both(fed: Feed) -> bool:
-    """Return whether a command tells the steps of its set point and that it hears noise.
-
-    Parameters
-    ----------
-    fed : Feed
-        Of a recording.
-    """
-    return tells_set_point(fed) and tells_noise(fed)
-
-
 def _read_again(fed: Feed, rig: Rig) -> Feed:
     """Return a feed whose command runs on with what is known of it now."""
     told = _told(fed, fed.voltage)
@@ -190,6 +185,8 @@ def _heard(fed: Feed) -> Array:
 def _told(fed: Feed, voltage: Array) -> AtOnce:
     """Return what is known of a command that changes at once, as a feed is read."""
     told = at_once(voltage, fed.set_point, fed.gain_of_set_point, fed.in_steps)
+    if fed.jumps_at_samples:
+        told = at_samples(voltage)
     return replace(told, added=told.added + fed.heard) if len(fed.heard) else told
 
 
@@ -207,6 +204,18 @@ def tells_set_point(fed: Feed) -> bool:
     return float(np.mean(moves)) > _MOVES
 
 
+def jumps_untold(fed: Feed) -> bool:
+    """Return whether a command that is no relay's jumps, of a loop whose set point is not known.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    """
+    untold = not len(fed.set_point) and not is_relay(fed.voltage)
+    return untold and bool(np.any(jumping(fed.voltage)))
+
+
 def read_alike(fed: Feed, voltage: Array, rig: Rig) -> Array:
     """Return another command between its samples, as that of a feed is read.
 
@@ -222,3 +231,42 @@ def read_alike(fed: Feed, voltage: Array, rig: Rig) -> Array:
     if not fed.ramped:
         return held_command(voltage)
     return running_command(fed.time, voltage, rig["valve.full_voltage"], _told(fed, voltage))
+
+
+def _as_it_is(fed: Feed, rig: Rig) -> Feed:
+    return fed
+
+
+def _always(fed: Feed) -> bool:
+    return True
+
+
+def _one_after_the_other(first: AsGiven, second: AsGiven) -> AsGiven:
+    return lambda fed, rig: second(first(fed, rig), rig)
+
+
+def _both(one: Asked, other: Asked) -> Asked:
+    return lambda fed: one(fed) and other(fed)
+
+
+_SET_POINT: tuple[tuple[AsGiven, Asked], ...] = (
+    (_as_it_is, _always),
+    (with_set_point_in_steps, tells_set_point),
+    (with_jumps_at_samples, jumps_untold),
+)
+_NOISE: tuple[tuple[AsGiven, Asked], ...] = (
+    (_as_it_is, _always),
+    (with_heard_noise, tells_noise),
+    (with_noise_that_runs_on, tells_noise),
+)
+OTHER_WAYS: tuple[tuple[AsGiven, Asked], ...] = (
+    (with_held_command, _always),
+    (with_command_of_before, _always),
+    *(
+        (_one_after_the_other(steps, noise), _both(has_steps, has_noise))
+        for (steps, has_steps), (noise, has_noise) in product(_SET_POINT, _NOISE)
+        if steps is not _as_it_is or noise is not _as_it_is
+    ),
+)
+"""Ways to read a command other than as one that runs on, and for which recordings each is one: held
+in two ways, and running on beside whatever comes in steps."""

@@ -44,6 +44,8 @@ class Feed:
         What a linear loop adds to the command per metre of it; 0 where it does not tell [V/m].
     in_steps : bool
         Whether the set point stays as it is from sample to sample.
+    jumps_at_samples : bool
+        Whether the command stays as it is until the sample at which it jumps.
     heard : (n,) array
         What noise of the displacement that a loop hears for an interval adds to the command of
         that; empty where it is not taken to [V].
@@ -134,6 +136,7 @@ class Feed:
     unsteadiness: float = 1.0
     turning_unsteadiness: float = 1.0
     in_steps: bool = False
+    jumps_at_samples: bool = False
     heard: Array = field(default_factory=lambda: np.empty(0), repr=False)
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)

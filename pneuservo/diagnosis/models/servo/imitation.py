@@ -5,14 +5,20 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.controllers import Proportional
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.models.model import Array, Case, Values
 from pneuservo.diagnosis.models.servo.between_samples import read_alike
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
-from pneuservo.diagnosis.models.servo.run_observer import SUPPLY_LEVEL, supply_to_be_read
+from pneuservo.diagnosis.models.servo.run_observer import (
+    COMMAND_DELAY,
+    SUPPLY_LEVEL,
+    ZERO_FORCE,
+    supply_to_be_read,
+)
 from pneuservo.diagnosis.noise import wander
+from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
@@ -22,8 +28,44 @@ _STEP = 1e-4
 """Integration step [s]."""
 _GAIN = 0.2
 """Of the controller that keeps to the path; more bends the command between two samples [V/V]."""
+_DELAY = "spool.delay:time"
 _UNLIMITED = 1e6
 """Level of the controller: the valve driver limits the command [V]."""
+
+
+def imitation_of(case: Case, values: Values, rng: np.random.Generator) -> Feed:
+    """Return a recording as the rig of some values would have given it, or one like it.
+
+    Parameters
+    ----------
+    case : Case
+        Of the recording.
+    values : mapping of str to float
+        Of a fit: rig, effects and what belongs to the recording alone.
+    rng : Generator
+        Of the noise.
+
+    Notes
+    -----
+    Fitted to a path that the observer kept it on, a rig may run away on its own: then it is
+    imitated without its effects, or as it was before it was fitted. A recording that no rig can
+    follow stands for its own copy: what it gains is pretended.
+    """
+    fed: Feed = case.inputs["feed"]
+    own = values.get(ZERO_FORCE, 0.0), values.get(SUPPLY_LEVEL, 0.0)
+    fitted = _late(case.rig.with_own_values(values), values.get(COMMAND_DELAY, 0.0))
+    for rig in (fitted, replace(fitted, effects={}), replace(case.rig, effects={})):
+        try:
+            return imitated(fed, case.recording, rig, *own, rng)
+        except InputError:
+            continue
+    return fed
+
+
+def _late(rig: Rig, delay: float) -> Rig:
+    """Return a rig whose valve answers later, for its command comes later."""
+    whole = rig.effect_values.get(_DELAY, 0.0) + delay
+    return rig.with_values({_DELAY: whole}) if delay else rig
 
 
 def imitated(

@@ -46,6 +46,8 @@ ZERO_FORCE = "zero_force"
 """What the drift of the pressure transducers' zeros makes of the force in one recording [N]."""
 SUPPLY_LEVEL = "supply_level"
 """Pressure of the source in one recording in which the supply was measured [Pa]."""
+COMMAND_DELAY = "command_delay"
+"""How long after it has sampled a computer puts out its command, in one recording [s]."""
 REVERSAL = "reversal"
 """Speed over which friction turns round, as a multiple of the resolution of the velocity [-]."""
 
@@ -237,6 +239,8 @@ def _observe(
     plant, effects = known
     if fed.supply is not None:
         effects = effects._replace(supply=SupplyEffects())
+    late = effects.spool.delay + values.get(COMMAND_DELAY, 0.0)
+    effects = effects._replace(spool=effects.spool._replace(delay=late))
     motion, pressures = truth(fed, plant, effects)
     there = np.array(fed.measured)[:, np.newaxis]
     force = fed.force + values.get(ZERO_FORCE, 0.0)

@@ -20,17 +20,9 @@ from pneuservo.diagnosis.models.model import (
 )
 from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke
 from pneuservo.diagnosis.models.servo.between_samples import (
-    tells_both,
-    tells_noise,
-    tells_set_point,
-    with_command_of_before,
-    with_heard_noise,
-    with_heard_noise_and_steps,
-    with_held_command,
-    with_noise_that_runs_on,
+    OTHER_WAYS,
+    AsGiven,
     with_running_command,
-    with_set_point_in_steps,
-    with_steps_and_noise_that_runs_on,
 )
 from pneuservo.diagnosis.models.servo.command import is_relay
 from pneuservo.diagnosis.models.servo.estimate import with_gains
@@ -41,7 +33,7 @@ from pneuservo.diagnosis.models.servo.feed import (
     SUPPLY,
     Feed,
 )
-from pneuservo.diagnosis.models.servo.imitation import imitated
+from pneuservo.diagnosis.models.servo.imitation import imitation_of
 from pneuservo.diagnosis.models.servo.likelihood import (
     compared,
     innovations,
@@ -58,6 +50,7 @@ from pneuservo.diagnosis.models.servo.misfit import misfit_of
 from pneuservo.diagnosis.models.servo.moved import held_at_stops
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import (
+    COMMAND_DELAY,
     REVERSAL,
     SUPPLY_LEVEL,
     ZERO_FORCE,
@@ -68,7 +61,7 @@ from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
 from pneuservo.diagnosis.models.servo.trust import steadily, unsure
-from pneuservo.diagnosis.models.servo.without_hum import AsGiven, without_hum
+from pneuservo.diagnosis.models.servo.without_hum import without_hum
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
@@ -93,18 +86,12 @@ _REVERSALS = (0.2, 20.0)
 _STANDS_STILL = 0.5
 """Share of the intervals in which a command does that comes from a table and not from a loop."""
 _ROWS = (*CHANNELS, AT_REST)
-# Ways to read a command other than as one that runs on, and the recordings for which each is one.
-_OTHER_WAYS: tuple[tuple[AsGiven, Callable[[Feed], bool]], ...] = (
-    (with_held_command, lambda fed: True),
-    (with_command_of_before, lambda fed: True),
-    (with_set_point_in_steps, tells_set_point),
-    (with_heard_noise, tells_noise),
-    (with_noise_that_runs_on, tells_noise),
-    (with_heard_noise_and_steps, tells_both),
-    (with_steps_and_noise_that_runs_on, tells_both),
-)
 _REVERSAL_SPREAD = 1.0
 """How well it is known."""
+_CONVERSION_SPREAD = 2e-5
+"""How long converters take to put out a command [s], as a rule ..."""
+_LONGEST_CONVERSION = 1e-4
+"""... and at the most."""
 
 
 class ServoModel(Model):
@@ -241,7 +228,7 @@ class ServoModel(Model):
         feeds = [case.inputs["feed"] for case in cases if case.inputs["leads"]]
         others = [
             self._otherwise(cases, as_given, where)
-            for as_given, where in _OTHER_WAYS
+            for as_given, where in OTHER_WAYS
             if any(where(fed) for fed in feeds)
         ]
         return compared([list(cases), *others])
@@ -321,8 +308,9 @@ class ServoModel(Model):
 
         The force that the drifting zeros of the pressure transducers pretend, as large as their
         noise, and the speed over which friction turns round: the velocity is smoothed, and real
-        friction gives way by some micrometres before it slips; the pressure of a source that was
-        measured; and zero and gain of a spool's transducer. What a filter starts from is forgotten.
+        friction gives way by some micrometres before it slips; how long a computer takes to put out
+        a command that is held; the pressure of a source that was measured; and zero and gain of a
+        spool's transducer. What a filter starts from is forgotten.
         """
         fed: Feed = case.inputs["feed"]
         found: list[Unknown] = []
@@ -331,6 +319,10 @@ class ServoModel(Model):
             found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
         if fitted and case.channel == "displacement":
             found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
+        if fitted and case.inputs["leads"] and not fed.ramped:
+            found.append(
+                Unknown(COMMAND_DELAY, 0.0, 0.0, _LONGEST_CONVERSION, _CONVERSION_SPREAD, "s")
+            )
         if case.inputs["leads"] and fed.supply is not None:
             level = float(np.mean(fed.supply))
             found.append(Unknown(SUPPLY_LEVEL, level, 0.5 * level, 2.0 * level, None, "Pa"))
@@ -367,7 +359,7 @@ class ServoModel(Model):
         for case, mine in zip(cases, values, strict=True):
             fed: Feed = case.inputs["feed"]
             if id(fed) not in copies:
-                copies[id(fed)] = _imitated(case, mine, rng)
+                copies[id(fed)] = imitation_of(case, mine, rng)
             copy = copies[id(fed)]
             reading = copy.reading
             if case.channel in PRESSURES:
@@ -406,21 +398,3 @@ def _followed(cases: Sequence[Case], as_given: AsGiven) -> list[Case]:
         other = feeds[id(fed)]
         found.append(case if other is fed else replace(case, inputs={**case.inputs, "feed": other}))
     return found
-
-
-def _imitated(case: Case, values: Values, rng: np.random.Generator) -> Feed:
-    """Return a recording as the rig of some values would have given it, or one like it.
-
-    Fitted to a path that the observer kept it on, a rig may run away on its own: then it is
-    imitated without its effects, or as it was before it was fitted. A recording that no rig can
-    follow stands for its own copy: what it gains is pretended.
-    """
-    fed: Feed = case.inputs["feed"]
-    own = values.get(ZERO_FORCE, 0.0), values.get(SUPPLY_LEVEL, 0.0)
-    fitted = case.rig.with_own_values(values)
-    for rig in (fitted, replace(fitted, effects={}), replace(case.rig, effects={})):
-        try:
-            return imitated(fed, case.recording, rig, *own, rng)
-        except InputError:
-            continue
-    return fed

@@ -20,7 +20,7 @@ FINE_STEP = 25e-6
 """Longest step where limits and stiction switch on and off, and near the end of the travel [s]."""
 _NEAR_END = 0.03
 """So far from it, and what it may move in a long step [-]."""
-_SAME_MOMENT = 1e-9
+_SAME_MOMENT = 1e-11
 
 ENDED, OPENED, CROSSED, OPENED_BEFORE = range(4)
 """Of one move of the spool: where it ends [-], and what `move_spool` returns of it."""

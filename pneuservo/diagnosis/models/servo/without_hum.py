@@ -1,11 +1,11 @@
 """A recording of the servo, and what its observer is fed with, without the hum of the mains."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from pneuservo.diagnosis.hum import hum_in, repeats
+from pneuservo.diagnosis.models.servo.between_samples import AsGiven
 from pneuservo.diagnosis.models.servo.estimate import with_observer
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
@@ -13,8 +13,6 @@ from pneuservo.diagnosis.models.servo.run_observer import run_observer
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
-AsGiven = Callable[[Feed, Rig], Feed]
-"""One way to read or to follow a recording."""
 _PASSES = 2
 _PLACE = CHANNELS.index("displacement")
 
