@@ -150,7 +150,8 @@ class Rivals(Accepted):
         if len(forms) < 2 or len(self.accepted) < 2:
             return member
         rest, others = self._in_place_of(member)
-        tried = {name: others[name] for name in forms}
+        # A form that acts nowhere else than the other names is no rival.
+        tried = {name: others[name] for name in forms if name in others}
         judge = self._judge(rest)
         evidence, _, earning = weighed(judge, rest, tried, self.chosen.effective)
         return judge.first_choice(evidence, tried, earning) if earning else member

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pneuservo.diagnosis import hypotheses
+from pneuservo.diagnosis import hypotheses, rivals
 from pneuservo.diagnosis import search as search_module
 from pneuservo.diagnosis.by_gain import ByGain
 from pneuservo.diagnosis.hypotheses import Hypotheses
@@ -451,3 +451,19 @@ def test_what_acts_elsewhere_has_a_place_beside_a_large_effect(
     judge = ByGain(current, baseline, [spring], lambda name, fit: 0.0, lambda fit: elsewhere)
     monkeypatch.setattr(ByGain, "share", lambda self, closer: more / 15_000.0)
     assert judge.earns(spring.id, closer, more) == earns
+
+
+def test_a_form_that_acts_nowhere_else_is_no_plainer_rival():
+    fit = SimpleNamespace(effective={"displacement": SAMPLES})
+    judge = SimpleNamespace(first_choice=lambda evidence, tried, earning: next(iter(tried)))
+    search = SimpleNamespace(
+        accepted=["load.transverse-mode", "valve.overlap"],
+        chosen=fit,
+        forms_of=lambda member: ["load.base-motion", member],
+        _in_place_of=lambda member: (fit, {member: fit}),
+        _judge=lambda rest: judge,
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rivals, "weighed", lambda judge, rest, tried, effective: ({}, 0, tried))
+        named = rivals.Rivals._plainest_form_of(search, "load.transverse-mode")
+    assert named == "load.transverse-mode"
