@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, noise_level
 from pneuservo.diagnosis.problem import values_in_each
-from pneuservo.diagnosis.strained import are_judged, leaves_noise
+from pneuservo.diagnosis.strained import are_judged, leaves_noise, only_followed
 from pneuservo.effects import CATALOGUE, effect_by_id
 
 
@@ -97,6 +97,24 @@ class Accepted(Hypotheses):
             Of one of the hypotheses.
         """
         return are_judged(self.cases, found, self.unit_of_noise, self.model.follows)
+
+    def gained_where_judged(self, rest: Fit, closer: Fit) -> float:
+        """Return by how much less a fit leaves, in noise, of recordings that are not only followed.
+
+        Parameters
+        ----------
+        rest, closer : Fit
+            Of two of the hypotheses, in the same recordings.
+        """
+        noise = self.unit_of_noise
+        followed = only_followed(self.cases, closer, noise, self.model.follows)
+        return sum(
+            float(before @ before - after @ after) / size**2
+            for case, before, after, size in zip(
+                self.cases, rest.residuals, closer.residuals, noise, strict=True
+            )
+            if id(case.origin) not in followed
+        )
 
     def unexplained_share(self, found: Fit) -> float:
         """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""

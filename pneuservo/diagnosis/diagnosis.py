@@ -18,7 +18,7 @@ from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.models.model import Misfit
 from pneuservo.diagnosis.rivals import SUREST
-from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES, Search
 from pneuservo.diagnosis.side_by_side import at_a_time, side_by_side
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
 from pneuservo.effects import CATALOGUE
@@ -254,6 +254,7 @@ def diagnose(
             with search.kept_when_interrupted():
                 search.name_what_relieves(kept_out)
                 search.name_wrong_parameters()
+                search.drop_what_was_only_followed()
                 search.drop_refuted(kept_out)
                 search.profile()
                 unexplained, misfit = _unexplained(search, kept_out)
@@ -295,11 +296,9 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
         search.pretence.copies,
     )
     if found is not None:
-        beside = search.baseline if found.instead else search.chosen
-        # Whatever a table explains: it can follow what no law would.
-        if held_back.are_predicted_worse(beside, found.fit, table=found.table):
+        why = _speaks_against(search, held_back, found)
+        if why:
             members, what = tuple(search.accepted), f"a table of {found.table.what}"
-            why = "what was held back is predicted worse with it"
             search.ledger.append(Step(members, "", True, what, why=why))
             found = None
     if found is not None and (misfit is None or found.gain > misfit.energy):
@@ -309,6 +308,18 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
     if misfit is not None and misfit.energy > _named(search):
         search.give_up(_MORE)
     return None, misfit
+
+
+def _speaks_against(search: Search, held_back: HeldBack, found: Unexplained) -> str:
+    """Return why a table is not to be believed; nothing where it is."""
+    beside = search.baseline if found.instead else search.chosen
+    # Whatever a table explains: it can follow what no law would.
+    if held_back.are_predicted_worse(beside, found.fit, table=found.table):
+        return "what was held back is predicted worse with it"
+    judged = search.are_judged(found.fit)
+    if not judged and search.gained_where_judged(beside, found.fit) < found.table.least_gain:
+        return UNKNOWN_BETWEEN_SAMPLES
+    return ""
 
 
 def _not_borne_out(

@@ -3,7 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pneuservo.diagnosis.fit import Fit, gained_most
+import numpy as np
+
+from pneuservo.diagnosis.fit import Fit, gained_most, rms
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
@@ -11,6 +13,8 @@ from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.ways import (
     Cases,
+    alone,
+    at_their_best,
     baselines_of,
     likeliest_of_each,
     unlikeliness_in,
@@ -19,6 +23,11 @@ from pneuservo.diagnosis.ways import (
 
 _NOT_HOPELESS = 1.25
 """A recording that is so many times as unlikely in another way is not turned to it alone."""
+_STRAINED = 3.0
+"""Tolerances that a parameter may be off before it is asked whether a recording was read wrongly.
+"""
+_MORE_THAN_NOISE = 1.05
+"""... and times the noise, which is known to 5 %."""
 
 
 @dataclass(frozen=True)
@@ -104,10 +113,12 @@ def _with_mixtures(
 
     Each recording in its likeliest way first; then the likeliest of all, one recording at a time
     turned to its second: beside a relay that was read wrongly a proportional loop seemed likelier
-    read wrongly too.
+    read wrongly too. Where that leaves doubt, each in
+    the way in which it is likeliest alone.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
+    at_best = at_their_best(model, readings, fits)
 
     def try_as_well(mixture: Cases) -> None:
         nonlocal unlikely
@@ -124,10 +135,18 @@ def _with_mixtures(
         others = [
             way for way in range(len(readings)) if not are_the_same(_of(ways[way], recording), mine)
         ]
-        other = min(others, key=lambda way: unlikely[way][recording], default=best)
-        if unlikely[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
+        other = min(others, key=lambda way: at_best[way][recording], default=best)
+        if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
             try_as_well(_turned(ways[best], ways[other], recording))
+    if len(unlikely[0]) > 1 and _leaves_doubt(fits[_likeliest(unlikely, fits)]):
+        try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
     return ways, fits, unlikely
+
+
+def _leaves_doubt(found: Fit) -> bool:
+    """Return whether the likeliest way to read leaves more than noise, or strains parameters."""
+    strained = np.any(np.abs(found.distance) > _STRAINED)
+    return bool(strained) or max(rms([left]) for left in found.residuals) > _MORE_THAN_NOISE
 
 
 def _likeliest(unlikely: Sequence[Mapping[int, float]], fits: Sequence[Fit]) -> int:

@@ -13,6 +13,7 @@ from pneuservo.diagnosis.judge import (
     DECISIVE,
     FORM,
     LARGE_SHARE_OF_REST,
+    LEAST_DISTANCE,
     LEAST_GAIN,
     is_impossible,
     weighed,
@@ -25,6 +26,7 @@ from pneuservo.diagnosis.screen import MOST_OVER_PROMISE, promises_count, scores
 from pneuservo.diagnosis.strained import MANY_WRONG, is_strained, out_of_tolerance
 from pneuservo.effects import CATALOGUE
 
+UNKNOWN_BETWEEN_SAMPLES = "what the command did between its samples is not known"
 MOST_EFFECTS = 3
 
 
@@ -239,6 +241,18 @@ class Search(Rivals):
                 continue
             if held_back.refute(rest, self.chosen):
                 self._drop(member, "what was held back is predicted worse with it")
+
+    def drop_what_was_only_followed(self) -> None:
+        """Drop what shows in no recording but those of which nobody knows what drove them.
+
+        A loop that chatters between the samples of its command does what no effect does.
+        """
+        if not self.model.steady or self.are_judged(self.chosen):
+            return
+        for member in self.accepted[::-1]:
+            least = LEAST_DISTANCE if member.startswith("param.") else LEAST_GAIN
+            if self.gained_where_judged(self._rest(member), self.chosen) < least:
+                self._drop(member, UNKNOWN_BETWEEN_SAMPLES)
 
     def profile(self) -> None:
         """Take the intervals of what was accepted from their profile likelihood."""

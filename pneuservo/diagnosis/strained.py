@@ -1,6 +1,6 @@
 """Parameters far from nominal: which are wrong, and what candidates promise if they are not."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -97,7 +97,11 @@ def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> b
     noise : sequence of float
         Of the judged channel of each [unit of the case].
     """
-    return all(left < LEAVES_NOISE * size for _, left, size in _left(cases, found, noise))
+    return all(
+        rms([residual]) < LEAVES_NOISE * size
+        for case, residual, size in zip(cases, found.residuals, noise, strict=True)
+        if case.recorded
+    )
 
 
 def are_judged(
@@ -112,20 +116,29 @@ def are_judged(
     channels : collection of str
         Those that a model may follow.
     """
-    return all(
-        left > FOLLOWED * size
-        for channel, left, size in _left(cases, found, noise)
-        if channel in channels
-    )
+    return not only_followed(cases, found, noise, channels)
 
 
-def _left(
-    cases: Sequence[Case], found: Fit, noise: Sequence[float]
-) -> Iterator[tuple[str, float, float]]:
-    """Yield each recorded channel of each recording, what is left of it, and its noise."""
-    for case, residual, size in zip(cases, found.residuals, noise, strict=True):
-        if case.recorded:
-            yield case.channel, rms([residual]), size
+def only_followed(
+    cases: Sequence[Case], found: Fit, noise: Sequence[float], channels: Collection[str]
+) -> set[int]:
+    """Return the recordings of which a channel that a model may follow is left far below its noise.
+
+    Parameters
+    ----------
+    cases, found, noise, channels
+        As for `are_judged`.
+
+    Returns
+    -------
+    set of int
+        Their identities.
+    """
+    return {
+        id(case.origin)
+        for case, residual, size in zip(cases, found.residuals, noise, strict=True)
+        if case.channel in channels and rms([residual]) <= FOLLOWED * size
+    }
 
 
 def _from_nominal(found: Fit) -> dict[str, float]:

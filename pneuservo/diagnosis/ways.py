@@ -14,6 +14,8 @@ from pneuservo.diagnosis.side_by_side import side_by_side
 Cases = Sequence[Case]
 _MOST_FORGIVEN = 4.0
 """So many times the least of what the ways of reading leave all over, squared, decides nothing."""
+_HOPELESS_ALONE = 2.0
+"""A recording that is so many times as unlikely in another way is not fitted alone in that."""
 
 
 def unlikeliness_in(
@@ -116,6 +118,75 @@ def values_elsewhere(
 ) -> list[list[dict[str, float]]]:
     """Return what a fit says of recordings that it was not made of, in each of some ways."""
     return [values_in_each(way, first, found.shared, [{}] * len(way)) for way in ways]
+
+
+def at_their_best(
+    model: Model, ways: Sequence[Cases], fits: Sequence[Fit]
+) -> list[dict[int, float]]:
+    """Return how unlikely each recording is in each of some ways, by what suits it best.
+
+    Parameters
+    ----------
+    model, ways
+        As for `unlikeliness_in`.
+    fits : sequence of Fit
+        Of the same ways; the nominal parameters are tried beside theirs.
+
+    Notes
+    -----
+    A fit to several recordings of which one is read wrongly makes the others unlikely too, however
+    they are read.
+    """
+    found: list[dict[int, float]] = []
+    for way, own in zip(ways, values_in(ways, fits), strict=True):
+        first = way[0]
+        nothing: list[Values] = [{}] * len(way)
+        tried = [
+            own,
+            values_in_each(way, first, {}, nothing),
+            *(values_in_each(way, first, fitted.shared, nothing) for fitted in fits),
+        ]
+        each = [by_recording(model, way, known) for known in tried]
+        found.append({recording: min(one[recording] for one in each) for recording in each[0]})
+    return found
+
+
+def alone(
+    model: Model, ways: Sequence[Cases], at_best: Sequence[Mapping[int, float]]
+) -> list[dict[int, float]]:
+    """Return how unlikely each recording is in each way by a baseline fitted to it alone.
+
+    Parameters
+    ----------
+    model, ways
+        As for `unlikeliness_in`.
+    at_best : sequence of mapping
+        From `at_their_best`; ways that are hopeless there are infinitely unlikely.
+
+    Notes
+    -----
+    Of a sliding mode on a computer, beside an analogue loop, the right way left 4 times the noise
+    by the parameters that the wrong way to read the other had led to, and 1.0 by its own.
+    """
+    recordings = list(at_best[0])
+    limits = {each: _HOPELESS_ALONE * min(way[each] for way in at_best) for each in recordings}
+    asked = [
+        (way, each)
+        for way in range(len(ways))
+        for each in recordings
+        if at_best[way][each] < limits[each]
+    ]
+
+    def by_its_own(asked: tuple[int, int]) -> float:
+        way, each = asked
+        cases = [case for case in ways[way] if id(case.origin) == each]
+        found = fit(model, cases, Hypothesis())
+        return by_recording(model, cases, values_in([cases], [found])[0])[each] + found.penalty
+
+    found = [dict.fromkeys(recordings, math.inf) for _ in ways]
+    for (way, each), unlikely in zip(asked, side_by_side(by_its_own, asked), strict=True):
+        found[way][each] = unlikely
+    return found
 
 
 def likeliest_of_each(ways: Sequence[Cases], unlikely: Sequence[Mapping[int, float]]) -> list[Case]:

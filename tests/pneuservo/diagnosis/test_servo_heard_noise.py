@@ -92,6 +92,6 @@ def test_beside_noise_that_is_heard_a_wrong_parameter_is_one(rig):
 
 @pytest.mark.parametrize(("level", "judged"), [(1.0, True), (0.5, False)])
 def test_a_pressure_far_below_its_noise_was_only_followed(level, judged):
-    cases = [SimpleNamespace(channel=name, recorded=True) for name in ("pressure_a", "spool")]
+    cases = [SimpleNamespace(channel=name, origin=None) for name in ("pressure_a", "spool")]
     found = SimpleNamespace(residuals=(np.full(9, level), np.full(9, 0.1)))
     assert are_judged(cases, found, [1.0, 1.0], ServoModel.follows) is judged
