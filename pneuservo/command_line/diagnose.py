@@ -138,12 +138,12 @@ def command(
         click.echo(json.dumps(answer, indent=2))
         return
     from pneuservo.report.sessions import between_sessions_in_words
-    from pneuservo.report.words import headline
+    from pneuservo.report.words import headline, not_judged_in_words
 
     if answer.get("partial"):
         click.echo("interrupted: this answer is made of what had been fitted until then")
     click.echo(f"{answer['verdict']}: {headline(answer)}")
-    for sentence in between_sessions_in_words(answer):
+    for sentence in (*not_judged_in_words(answer), *between_sessions_in_words(answer)):
         click.echo(sentence)
     click.echo(f"report: {out / 'report.html'}")
 

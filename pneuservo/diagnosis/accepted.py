@@ -98,6 +98,18 @@ class Accepted(Hypotheses):
         """
         return are_judged(self.cases, found, self.unit_of_noise, self.model.follows)
 
+    def only_followed(self, found: Fit) -> set[int]:
+        """Return the identities of recordings of which nobody knows what drove them.
+
+        Parameters
+        ----------
+        found : Fit
+            Of one of the hypotheses.
+        """
+        if not self.model.steady:
+            return set()
+        return only_followed(self.cases, found, self.unit_of_noise, self.model.follows)
+
     def gained_where_judged(self, rest: Fit, closer: Fit) -> float:
         """Return by how much less a fit leaves, in noise, of recordings that are not only followed.
 
@@ -106,12 +118,11 @@ class Accepted(Hypotheses):
         rest, closer : Fit
             Of two of the hypotheses, in the same recordings.
         """
-        noise = self.unit_of_noise
-        followed = only_followed(self.cases, closer, noise, self.model.follows)
+        followed = self.only_followed(closer)
         return sum(
             float(before @ before - after @ after) / size**2
             for case, before, after, size in zip(
-                self.cases, rest.residuals, closer.residuals, noise, strict=True
+                self.cases, rest.residuals, closer.residuals, self.unit_of_noise, strict=True
             )
             if id(case.origin) not in followed
         )

@@ -179,6 +179,16 @@ class Diagnosis:
         return share if share > SMALLEST_SHARE else 0.0
 
     @property
+    def only_followed(self) -> list[str]:
+        """Return the names of recordings whose command is not known well enough to judge them by.
+
+        What it did between its samples decided what the pressures did.
+        """
+        followed = self.search.only_followed(self.repaired)
+        origins = {id(case.origin): case.recording for case in self.search.cases}
+        return [recording.name for each, recording in origins.items() if each in followed]
+
+    @property
     def cases(self) -> list[Case]:
         """Return all recordings, the ones held back last."""
         return [*self.search.cases, *self.held_back]

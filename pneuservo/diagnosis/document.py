@@ -43,7 +43,8 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     dict
         ``schema``, ``verdict``, ``located``, ``missing``, ``corrected_parameters``,
         ``cannot_separate``, ``not_visible`` and ``fit``, ready for JSON; ``partial`` too when the
-        search was interrupted, ``sessions`` when the rig was fitted to other recordings.
+        search was interrupted, ``not_judged`` when recordings could only be followed, ``sessions``
+        when the rig was fitted to other recordings.
     """
     with at_a_time(diagnosis.jobs):
         answer: dict[str, Any] = with_units_as_written(_document(diagnosis))
@@ -63,6 +64,7 @@ def _document(diagnosis: Diagnosis) -> dict[str, Any]:
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}
     partial = {"partial": True} if diagnosis.search.interrupted else {}
     sessions = between_sessions(diagnosis.search, diagnosis.rig)
+    followed = diagnosis.only_followed
     return {
         "schema": SCHEMA,
         **partial,
@@ -78,6 +80,7 @@ def _document(diagnosis: Diagnosis) -> dict[str, Any]:
             if not any(entry["effect"] in found["class"] for found in missing)
         ],
         "fit": _fit(diagnosis),
+        **({"not_judged": followed} if followed else {}),
         **({"sessions": sessions} if sessions else {}),
     }
 

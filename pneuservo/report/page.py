@@ -6,7 +6,7 @@ from typing import Any
 from pneuservo.diagnosis import Diagnosis
 from pneuservo.report.diagnosis_figures import diagnosis_figures
 from pneuservo.report.sessions import between_sessions_in_words
-from pneuservo.report.words import farthest_off, headline, quantity
+from pneuservo.report.words import farthest_off, headline, not_judged_in_words, quantity
 
 
 def render(template: str, **content: Any) -> str:
@@ -61,6 +61,7 @@ def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         "remark": remark,
         "steady": diagnosis.model.steady,
         "between_sessions": between_sessions_in_words(answer),
+        "not_judged": not_judged_in_words(answer),
     }
 
 

@@ -61,6 +61,36 @@ def _magnitude(value: float) -> int:
     return math.floor(math.log10(abs(value)))
 
 
+def not_judged_in_words(answer: dict[str, Any]) -> list[str]:
+    """Return what is said of recordings that could only be followed.
+
+    Parameters
+    ----------
+    answer : dict
+        The document of a diagnosis.
+
+    Returns
+    -------
+    list of str
+        A sentence; none when all were judged.
+
+    Examples
+    --------
+    >>> not_judged_in_words({})
+    []
+    >>> print(*not_judged_in_words({"not_judged": ["step"]}))
+    What the command of step did between its samples is not known: nothing is named that shows there
+    alone; record it faster.
+    """
+    names = answer.get("not_judged", [])
+    if not names:
+        return []
+    return [
+        f"What the command of {' and '.join(names)} did between its samples is not known: nothing "
+        "is named that shows there alone; record it faster."
+    ]
+
+
 def headline(answer: dict[str, Any]) -> str:
     """Return the answer of a diagnosis in a sentence, and what should lower one's trust in it.
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from servo_recordings import NOISE, noisy
 
+from pneuservo.controllers import SlidingMode
+from pneuservo.diagnosis import diagnose, document
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.late import likelier_if_late
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, is_relay
@@ -14,6 +16,7 @@ from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.trust import may_only_seem_to_rest, unsure_of_rest
 from pneuservo.diagnosis.readings import ranked_readings
 from pneuservo.recordings import Recording
+from pneuservo.report.page import diagnosis_page
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
@@ -116,3 +119,18 @@ def test_a_piston_that_chatters_unseen_is_followed_unsurely(rig):
         if case.recorded
     }
     assert max(sizes.values()) < 1.1
+
+
+def test_nothing_is_named_that_shows_only_where_nobody_knows_the_command(rig):
+    """A sliding mode with next to no boundary layer switches some times between two samples."""
+    time = np.arange(0.0, 3.0, 1e-3)
+    demand = 0.015 + 3e-3 * np.sin(4.4 * time) + 2e-3 * np.sin(14.5 * time)
+    run = simulate(rig, time=time, controller=SlidingMode(boundary_layer=1.0), demand=demand)
+    fine = {"displacement": 3e-6, "pressure_a": 500.0, "pressure_b": 500.0}
+    recording = noisy(run, np.random.default_rng(1), fine)
+    found = diagnose([replace(recording, noise_rms=fine)])
+    answer = document(found)
+    assert answer["verdict"] == "consistent", found.search.accepted
+    assert answer["not_judged"] == ["run"]
+    sentence = "What the command of run did between its samples is not known"
+    assert sentence in diagnosis_page(found, answer)
