@@ -5,24 +5,20 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.servo.command import (
     held_command,
     is_relay,
+    noise_of_command,
     running_command,
     unseen,
 )
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.heard_noise import gain_of_noise
 from pneuservo.diagnosis.models.servo.moved import with_spread
-from pneuservo.diagnosis.models.servo.set_point import (
-    AtOnce,
-    at_its_limit,
-    at_once,
-    at_samples,
-    jumping,
-)
+from pneuservo.diagnosis.models.servo.set_point import AtOnce, at_its_limit, at_once, jumping
 from pneuservo.rigs import Rig
 
 AsGiven = Callable[[Feed, Rig], Feed]
@@ -32,6 +28,8 @@ Asked = Callable[[Feed], bool]
 
 _MOVES = 0.1
 """Share of the intervals in which a set point moves that does not only jump."""
+_NO_NOISE = 8.0
+"""So many times its noise a command never moves by in one interval: 5.7 standard deviations."""
 
 
 def with_running_command(fed: Feed, rig: Rig) -> Feed:
@@ -116,7 +114,7 @@ def with_jumps_at_samples(fed: Feed, rig: Rig) -> Feed:
     the command's own jumps tell when it did. Taken to be anywhere in their intervals, they made a
     spool of 200 Hz one of 140.
     """
-    return _read_again(replace(fed, jumps_at_samples=True), rig)
+    return _read_again(replace(fed, jumps=_jumps(fed.voltage)), rig)
 
 
 def with_heard_noise(fed: Feed, rig: Rig) -> Feed:
@@ -175,6 +173,11 @@ def _read_again(fed: Feed, rig: Rig) -> Feed:
     return with_spread(replace(fed, command=command, unseen=unseen(fed.voltage, told)), rig)
 
 
+def _jumps(voltage: Array) -> NDArray[np.bool_]:
+    """Return in which intervals a command jumps by more than its noise ever does."""
+    return jumping(voltage) & (np.abs(np.diff(voltage)) > _NO_NOISE * noise_of_command(voltage))
+
+
 def _heard(fed: Feed) -> Array:
     """Return what the noise of the displacement adds to a command at each sample [V]."""
     limited = at_its_limit(fed.voltage)
@@ -185,8 +188,8 @@ def _heard(fed: Feed) -> Array:
 def _told(fed: Feed, voltage: Array) -> AtOnce:
     """Return what is known of a command that changes at once, as a feed is read."""
     told = at_once(voltage, fed.set_point, fed.gain_of_set_point, fed.in_steps)
-    if fed.jumps_at_samples:
-        told = at_samples(voltage)
+    if len(fed.jumps):
+        told = replace(told, unknown=told.unknown | fed.jumps)
     return replace(told, added=told.added + fed.heard) if len(fed.heard) else told
 
 
@@ -213,7 +216,7 @@ def jumps_untold(fed: Feed) -> bool:
         Of a recording.
     """
     untold = not len(fed.set_point) and not is_relay(fed.voltage)
-    return untold and bool(np.any(jumping(fed.voltage)))
+    return untold and bool(np.any(_jumps(fed.voltage)))
 
 
 def read_alike(fed: Feed, voltage: Array, rig: Rig) -> Array:

@@ -44,8 +44,9 @@ class Feed:
         What a linear loop adds to the command per metre of it; 0 where it does not tell [V/m].
     in_steps : bool
         Whether the set point stays as it is from sample to sample.
-    jumps_at_samples : bool
-        Whether the command stays as it is until the sample at which it jumps.
+    jumps : (n - 1,) array of bool
+        Intervals at whose end the command jumps, and until when it stays as it is; empty where it
+        is not taken to.
     heard : (n,) array
         What noise of the displacement that a loop hears for an interval adds to the command of
         that; empty where it is not taken to [V].
@@ -136,7 +137,7 @@ class Feed:
     unsteadiness: float = 1.0
     turning_unsteadiness: float = 1.0
     in_steps: bool = False
-    jumps_at_samples: bool = False
+    jumps: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_), repr=False)
     heard: Array = field(default_factory=lambda: np.empty(0), repr=False)
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)

@@ -28,7 +28,8 @@ _STEP = 1e-4
 """Integration step [s]."""
 _GAIN = 0.2
 """Of the controller that keeps to the path; more bends the command between two samples [V/V]."""
-_DELAY = "spool.delay:time"
+_AT_ONCE = 1e-6
+"""What takes no longer takes no time [s]."""
 _UNLIMITED = 1e6
 """Level of the controller: the valve driver limits the command [V]."""
 
@@ -52,28 +53,21 @@ def imitation_of(case: Case, values: Values, rng: np.random.Generator) -> Feed:
     follow stands for its own copy: what it gains is pretended.
     """
     fed: Feed = case.inputs["feed"]
-    own = values.get(ZERO_FORCE, 0.0), values.get(SUPPLY_LEVEL, 0.0)
-    fitted = _late(case.rig.with_own_values(values), values.get(COMMAND_DELAY, 0.0))
+    own = {key: values.get(key, 0.0) for key in (ZERO_FORCE, SUPPLY_LEVEL, COMMAND_DELAY)}
+    fitted = case.rig.with_own_values(values)
     for rig in (fitted, replace(fitted, effects={}), replace(case.rig, effects={})):
         try:
-            return imitated(fed, case.recording, rig, *own, rng)
+            return imitated(fed, case.recording, rig, own, rng)
         except InputError:
             continue
     return fed
-
-
-def _late(rig: Rig, delay: float) -> Rig:
-    """Return a rig whose valve answers later, for its command comes later."""
-    whole = rig.effect_values.get(_DELAY, 0.0) + delay
-    return rig.with_values({_DELAY: whole}) if delay else rig
 
 
 def imitated(
     fed: Feed,
     recording: Recording,
     rig: Rig,
-    zero_force: float,
-    level: float,
+    own: Values,
     rng: np.random.Generator,
 ) -> Feed:
     """Return a recording of a rig that follows the path of a real one.
@@ -86,10 +80,10 @@ def imitated(
         Where it comes from.
     rig : Rig
         The rig as fitted, with the effects found so far.
-    zero_force : float
-        Force that the zeros of the pressure transducers pretend [N].
-    level : float
-        Pressure of the source, where the supply was measured [Pa].
+    own : mapping of str to float
+        Force that the zeros of the pressure transducers pretend, pressure of the source where the
+        supply was measured, and what converters take, as in
+        `pneuservo.diagnosis.models.servo.run_observer`.
     rng : Generator
         Of the noise.
 
@@ -108,7 +102,8 @@ def imitated(
     rig = replace(rig, transducers={})
     supply, source = fed.supply, np.empty(0)
     if supply is not None:
-        source = supply_to_be_read(fed, {SUPPLY_LEVEL: level, **rig.effect_values}, rig)
+        level = {SUPPLY_LEVEL: own[SUPPLY_LEVEL]}
+        source = supply_to_be_read(fed, {**level, **rig.effect_values}, rig)
         # The chambers are driven by what was measured.
         others = {k: v for k, v in rig.effects.items() if not k.startswith("supply.")}
         rig = replace(rig, effects=others)
@@ -116,7 +111,7 @@ def imitated(
             # Its ripple makes no difference to what is pretended, and costs a compiled engine.
             rig, supply = rig.with_values({"supply.pressure": float(np.mean(supply))}), None
     channels = {name: recording[name] for name in ("demand",) if name in recording}
-    run, channels["valve_voltage"] = _kept_to_the_path(fed, rig, zero_force, supply, rng)
+    run, channels["valve_voltage"] = _kept_to_the_path(fed, rig, own, supply, rng)
     for name in fed.noise:
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
         true = source if name == SUPPLY else run[name]
@@ -147,7 +142,7 @@ def imitated(
 
 
 def _kept_to_the_path(
-    fed: Feed, rig: Rig, zero_force: float, supply: Array | None, rng: np.random.Generator
+    fed: Feed, rig: Rig, own: Values, supply: Array | None, rng: np.random.Generator
 ) -> tuple[dict[str, Array], Array]:
     """Return what a servo does that is kept to a path, and its command, both at the samples."""
     controller = Proportional(gain=_GAIN, level=_UNLIMITED)
@@ -158,13 +153,21 @@ def _kept_to_the_path(
     if fed.ramped:
         held = as_it_may_have_been(fed.command, fed.voltage, rng)
     parts = held.shape[1]
-    time, held = in_parts(fed.time, parts), held.ravel()[: (len(fed.time) - 1) * parts + 1]
+    time = in_parts(fed.time, parts)
+    late = own[COMMAND_DELAY]
+    if late > _AT_ONCE:
+        # Until converters have put it out, the command of before is held.
+        parts, before = 2, np.append(fed.voltage[:1], fed.voltage[:-1])
+        held = np.column_stack([before, fed.voltage])
+        time = np.column_stack([fed.time, fed.time + late]).ravel()
+    steps = (len(fed.time) - 1) * parts + 1
+    time, held = time[:steps], held.ravel()[:steps]
     run = simulate(
         rig,
         time=time,
         controller=controller,
         demand=np.interp(time, fed.time, fed.motion[0]) + held / slope,
-        external_force=np.interp(time, fed.time, fed.force) + zero_force,
+        external_force=np.interp(time, fed.time, fed.force) + own[ZERO_FORCE],
         supply_pressure=None if supply is None else np.interp(time, fed.time, supply),
         initial=_start(fed, rig),
         largest_step=_STEP,

@@ -82,22 +82,6 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
     return AtOnce(np.append(0.0, np.cumsum(known)), unknown)
 
 
-def at_samples(voltage: Array) -> AtOnce:
-    """Return what changes at once in a command that jumps at its samples, by how much is left open.
-
-    Parameters
-    ----------
-    voltage : (n,) array
-        Command at the samples [V].
-
-    Examples
-    --------
-    >>> at_samples(np.array([0.0, 0.1, 0.2, 4.0, 3.9, 3.8])).unknown.tolist()
-    [False, False, True, False, False]
-    """
-    return AtOnce(np.zeros_like(voltage), jumping(voltage))
-
-
 def gain_of_set_point(time: Array, voltage: Array, demand: Array, displacement: Array) -> float:
     """Return what a linear loop adds to its command per metre of its set point [V/m].
 
