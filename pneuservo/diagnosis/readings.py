@@ -27,7 +27,9 @@ _STRAINED = 3.0
 """Tolerances that a parameter may be off before it is asked whether a recording was read wrongly.
 """
 _MORE_THAN_NOISE = 1.05
-"""... and times the noise, which is known to 5 %."""
+"""... and times the noise, which is known to 5 %, that may be left; where far more is, something is
+missing that no way to read makes up for."""
+_FAR_MORE = 2.0
 
 
 @dataclass(frozen=True)
@@ -144,9 +146,10 @@ def _with_mixtures(
 
 
 def _leaves_doubt(found: Fit) -> bool:
-    """Return whether the likeliest way to read leaves more than noise, or strains parameters."""
-    strained = np.any(np.abs(found.distance) > _STRAINED)
-    return bool(strained) or max(rms([left]) for left in found.residuals) > _MORE_THAN_NOISE
+    """Return whether the likeliest way to read leaves a little more than noise, or is strained."""
+    left = max(rms([residual]) for residual in found.residuals)
+    strained = bool(np.any(np.abs(found.distance) > _STRAINED))
+    return (strained or left > _MORE_THAN_NOISE) and left < _FAR_MORE
 
 
 def _likeliest(unlikely: Sequence[Mapping[int, float]], fits: Sequence[Fit]) -> int:

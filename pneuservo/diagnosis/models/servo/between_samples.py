@@ -76,7 +76,7 @@ def with_command_of_before(fed: Feed, rig: Rig) -> Feed:
     of a relay at 1 kHz left 2.6 times the noise of a pressure with a spool of 511 Hz for 200.
     """
     later = np.append(fed.voltage[1:], fed.voltage[-1:])
-    return with_held_command(replace(fed, voltage=later), rig)
+    return with_held_command(replace(fed, voltage=later, converted=True), rig)
 
 
 def with_set_point_in_steps(fed: Feed, rig: Rig) -> Feed:

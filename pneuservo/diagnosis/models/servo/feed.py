@@ -44,6 +44,8 @@ class Feed:
         What a linear loop adds to the command per metre of it; 0 where it does not tell [V/m].
     in_steps : bool
         Whether the set point stays as it is from sample to sample.
+    converted : bool
+        Whether a computer puts the command out a little after the sample that it is made of.
     jumps : (n - 1,) array of bool
         Intervals at whose end the command jumps, and until when it stays as it is; empty where it
         is not taken to.
@@ -137,6 +139,7 @@ class Feed:
     unsteadiness: float = 1.0
     turning_unsteadiness: float = 1.0
     in_steps: bool = False
+    converted: bool = False
     jumps: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_), repr=False)
     heard: Array = field(default_factory=lambda: np.empty(0), repr=False)
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)

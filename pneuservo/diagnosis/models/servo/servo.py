@@ -33,6 +33,7 @@ from pneuservo.diagnosis.models.servo.feed import (
     SUPPLY,
     Feed,
 )
+from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.imitation import imitation_of
 from pneuservo.diagnosis.models.servo.likelihood import (
     compared,
@@ -62,6 +63,7 @@ from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, stronges
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
 from pneuservo.diagnosis.models.servo.trust import steadily, unsure
 from pneuservo.diagnosis.models.servo.without_hum import without_hum
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.errors import InputError
@@ -164,10 +166,10 @@ class ServoModel(Model):
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
         require_on_stroke(recording, rig["piston.stroke"])
-        return self._read(recording, rig, with_running_command)
+        return self._read(recording, rig, with_running_command, feed(recording, rig))
 
-    def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven) -> list[Case]:
-        recording, fed = without_hum(recorded, rig, as_given)
+    def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven, begun: Feed) -> list[Case]:
+        recording, fed = without_hum(recorded, rig, as_given, begun)
         if "stick-mask" in self.without:
             fed = with_gains(held_at_stops(fed, rig), rig)
         found: list[Case] = []
@@ -184,7 +186,7 @@ class ServoModel(Model):
                 Case(
                     recording,
                     recording[channel] / noise,
-                    {"feed": fed, "leads": not found, "recorded": recorded},
+                    {"feed": fed, "leads": not found, "recorded": recorded, "begun": begun},
                     1.0,
                     rig,
                     usable,
@@ -226,11 +228,8 @@ class ServoModel(Model):
         that hears the noise of a transducer which is sampled.
         """
         feeds = [case.inputs["feed"] for case in cases if case.inputs["leads"]]
-        others = [
-            self._otherwise(cases, as_given, where)
-            for as_given, where in OTHER_WAYS
-            if any(where(fed) for fed in feeds)
-        ]
+        asked = [way for way in OTHER_WAYS if any(way[1](fed) for fed in feeds)]
+        others = side_by_side(lambda way: self._otherwise(cases, *way), asked)
         return compared([list(cases), *others])
 
     def _otherwise(
@@ -250,7 +249,8 @@ class ServoModel(Model):
             as_before = [other for other in cases if other.origin is case.origin]
             try:
                 asked = where(case.inputs["feed"])
-                found += self._read(case.origin, case.rig, as_given) if asked else as_before
+                begun = case.inputs["begun"]
+                found += self._read(case.origin, case.rig, as_given, begun) if asked else as_before
             except InputError:
                 found += as_before
         return found
@@ -309,7 +309,7 @@ class ServoModel(Model):
         The force that the drifting zeros of the pressure transducers pretend, as large as their
         noise, and the speed over which friction turns round: the velocity is smoothed, and real
         friction gives way by some micrometres before it slips; how long a computer takes to put out
-        a command that is held; the pressure of a source that was measured; and zero and gain of a
+        its command; the pressure of a source that was measured; and zero and gain of a
         spool's transducer. What a filter starts from is forgotten.
         """
         fed: Feed = case.inputs["feed"]
@@ -319,7 +319,7 @@ class ServoModel(Model):
             found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
         if fitted and case.channel == "displacement":
             found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
-        if fitted and case.inputs["leads"] and not fed.ramped:
+        if fitted and case.inputs["leads"] and fed.converted:
             found.append(
                 Unknown(COMMAND_DELAY, 0.0, 0.0, _LONGEST_CONVERSION, _CONVERSION_SPREAD, "s")
             )

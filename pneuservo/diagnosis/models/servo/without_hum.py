@@ -17,7 +17,9 @@ _PASSES = 2
 _PLACE = CHANNELS.index("displacement")
 
 
-def without_hum(recording: Recording, rig: Rig, as_given: AsGiven) -> tuple[Recording, Feed]:
+def without_hum(
+    recording: Recording, rig: Rig, as_given: AsGiven, begun: Feed
+) -> tuple[Recording, Feed]:
     """Return a recording without mains hum, and its feed.
 
     Parameters
@@ -28,6 +30,8 @@ def without_hum(recording: Recording, rig: Rig, as_given: AsGiven) -> tuple[Reco
         The rig it was taken on.
     as_given : callable
         The way in which it is read.
+    begun : Feed
+        From `pneuservo.diagnosis.models.servo.feeding.feed`: the same in each way.
 
     Returns
     -------
@@ -38,7 +42,7 @@ def without_hum(recording: Recording, rig: Rig, as_given: AsGiven) -> tuple[Reco
     -----
     Innovations show a line as it is read; what is taken out shows what the motion had taken up.
     """
-    fed = _fed(recording, rig, as_given)
+    fed = with_observer(as_given(begun, rig), rig)
     if repeats(fed.voltage, fed.interval):
         return recording, fed
     for _ in range(_PASSES):
@@ -60,9 +64,5 @@ def without_hum(recording: Recording, rig: Rig, as_given: AsGiven) -> tuple[Reco
             if name in channels:
                 channels[name] = channels[name] - scale * waves
         recording = replace(recording, channels=channels)
-        fed = _fed(recording, rig, as_given)
+        fed = with_observer(as_given(feed(recording, rig), rig), rig)
     return recording, fed
-
-
-def _fed(recording: Recording, rig: Rig, as_given: AsGiven) -> Feed:
-    return with_observer(as_given(feed(recording, rig), rig), rig)
