@@ -93,7 +93,7 @@ _REVERSAL_SPREAD = 1.0
 _CONVERSION_SPREAD = 2e-5
 """How long converters take to put out a command [s], as a rule ..."""
 _LONGEST_CONVERSION = 1e-4
-"""... and at the most."""
+"""... and at the most, and no longer than half a sampling interval."""
 
 
 class ServoModel(Model):
@@ -320,9 +320,8 @@ class ServoModel(Model):
         if fitted and case.channel == "displacement":
             found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
         if fitted and case.inputs["leads"] and fed.converted:
-            found.append(
-                Unknown(COMMAND_DELAY, 0.0, 0.0, _LONGEST_CONVERSION, _CONVERSION_SPREAD, "s")
-            )
+            longest = min(_LONGEST_CONVERSION, 0.5 * fed.interval)
+            found.append(Unknown(COMMAND_DELAY, 0.0, 0.0, longest, _CONVERSION_SPREAD, "s"))
         if case.inputs["leads"] and fed.supply is not None:
             level = float(np.mean(fed.supply))
             found.append(Unknown(SUPPLY_LEVEL, level, 0.5 * level, 2.0 * level, None, "Pa"))
