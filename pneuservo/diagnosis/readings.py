@@ -3,33 +3,28 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from pneuservo.diagnosis.fit import Fit, gained_most, rms
-from pneuservo.diagnosis.fitting import fit, refitted
+from pneuservo.diagnosis.fitting import WORTH_LOOKING, fit, refitted
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.diagnosis.strained import is_strained
 from pneuservo.diagnosis.ways import (
     Cases,
     alone,
     at_their_best,
     baselines_of,
     likeliest_of_each,
+    of_recording,
     unlikeliness_in,
     values_in,
 )
 
 _NOT_HOPELESS = 1.25
 """A recording that is so many times as unlikely in another way is not turned to it alone."""
-_STRAINED = 3.0
-"""Tolerances that a parameter may be off before it is asked whether a recording was read wrongly.
-"""
-_MORE_THAN_NOISE = 1.05
-"""... and times the noise, which is known to 5 %, that may be left; where far more is, something is
-missing that no way to read makes up for."""
 _FAR_MORE = 2.0
+"""Where so many times the noise is left, something is missing that no way to read makes up for."""
 
 
 @dataclass(frozen=True)
@@ -115,11 +110,12 @@ def _with_mixtures(
 
     Each recording in its likeliest way first; then the likeliest of all, one recording at a time
     turned to its second: beside a relay that was read wrongly a proportional loop seemed likelier
-    read wrongly too. Where that leaves doubt, each in
-    the way in which it is likeliest alone.
+    read wrongly too. Where that leaves doubt, each in the way in which it is likeliest alone.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
+    if len(unlikely[0]) == 1:
+        return ways, fits, unlikely
     at_best = at_their_best(model, readings, fits)
 
     def try_as_well(mixture: Cases) -> None:
@@ -133,14 +129,16 @@ def _with_mixtures(
     try_as_well(likeliest_of_each(ways, unlikely))
     for recording in unlikely[0]:
         best = _likeliest(unlikely, fits)
-        mine = _of(ways[best], recording)
+        mine = of_recording(ways[best], recording)
         others = [
-            way for way in range(len(readings)) if not are_the_same(_of(ways[way], recording), mine)
+            way
+            for way in range(len(readings))
+            if not are_the_same(of_recording(readings[way], recording), mine)
         ]
         other = min(others, key=lambda way: at_best[way][recording], default=best)
         if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
             try_as_well(_turned(ways[best], ways[other], recording))
-    if len(unlikely[0]) > 1 and _leaves_doubt(fits[_likeliest(unlikely, fits)]):
+    if _leaves_doubt(fits[_likeliest(unlikely, fits)]):
         try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
     return ways, fits, unlikely
 
@@ -148,8 +146,7 @@ def _with_mixtures(
 def _leaves_doubt(found: Fit) -> bool:
     """Return whether the likeliest way to read leaves a little more than noise, or is strained."""
     left = max(rms([residual]) for residual in found.residuals)
-    strained = bool(np.any(np.abs(found.distance) > _STRAINED))
-    return (strained or left > _MORE_THAN_NOISE) and left < _FAR_MORE
+    return (is_strained(found) or left > WORTH_LOOKING) and left < _FAR_MORE
 
 
 def _likeliest(unlikely: Sequence[Mapping[int, float]], fits: Sequence[Fit]) -> int:
@@ -166,12 +163,7 @@ def _turned(cases: Cases, other: Cases, recording: int) -> list[Case]:
     """Return cases with one recording's in another way."""
     first = next(i for i, case in enumerate(cases) if id(case.origin) == recording)
     rest = [case for case in cases if id(case.origin) != recording]
-    return [*rest[:first], *_of(other, recording), *rest[first:]]
-
-
-def _of(cases: Cases, recording: int) -> list[Case]:
-    """Return the cases of one recording."""
-    return [case for case in cases if id(case.origin) == recording]
+    return [*rest[:first], *of_recording(other, recording), *rest[first:]]
 
 
 def likelier_with(

@@ -120,6 +120,19 @@ def values_elsewhere(
     return [values_in_each(way, first, found.shared, [{}] * len(way)) for way in ways]
 
 
+def of_recording(cases: Cases, recording: int) -> list[Case]:
+    """Return the cases of one recording.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Of several.
+    recording : int
+        Its identity, as it was read.
+    """
+    return [case for case in cases if id(case.origin) == recording]
+
+
 def at_their_best(
     model: Model, ways: Sequence[Cases], fits: Sequence[Fit]
 ) -> list[dict[int, float]]:
@@ -179,7 +192,7 @@ def alone(
 
     def by_its_own(asked: tuple[int, int]) -> float:
         way, each = asked
-        cases = [case for case in ways[way] if id(case.origin) == each]
+        cases = of_recording(ways[way], each)
         found = fit(model, cases, Hypothesis())
         return by_recording(model, cases, values_in([cases], [found])[0])[each] + found.penalty
 

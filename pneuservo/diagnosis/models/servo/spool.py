@@ -21,6 +21,7 @@ FINE_STEP = 25e-6
 _NEAR_END = 0.03
 """So far from it, and what it may move in a long step [-]."""
 _SAME_MOMENT = 1e-11
+"""Moments that are no farther apart are one [s]: a fit moves a delay by nanoseconds."""
 
 ENDED, OPENED, CROSSED, OPENED_BEFORE = range(4)
 """Of one move of the spool: where it ends [-], and what `move_spool` returns of it."""
