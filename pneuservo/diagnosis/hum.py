@@ -137,7 +137,9 @@ def _standing_out(
     ends = np.searchsorted(beside[0], (frequency - 2.0 * _BESIDE[1], frequency + 2.0 * _BESIDE[1]))
     near = slice(*ends)
     away = np.abs(beside[0][near] - frequency)
-    floor = float(np.mean(beside[1][near][(away > _BESIDE[0]) & (away < _BESIDE[1])]))
+    around = beside[1][near][(away > _BESIDE[0]) & (away < _BESIDE[1])]
+    # A short recording has nothing beside a line.
+    floor = float(np.mean(around)) if len(around) else 0.0
     there = float(np.mean(share > 0.0))
     if not floor > 0.0 or there < _LEAST_SEEN:
         return 0.0, np.zeros(len(waves))

@@ -15,3 +15,10 @@ def test_a_channel_read_every_fifth_time_has_no_line_of_noise(first):
     seen = (np.arange(SAMPLES) % 5 == first).astype(float)
     noise = seen * np.random.default_rng(first).standard_normal(SAMPLES)
     assert not np.any(hum_in([noise], [seen], TIME)[0])
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_recording_too_short_to_tell_a_line_has_none():
+    short = TIME[:30]
+    line = np.sin(2.0 * np.pi * 50.0 * short)
+    assert not np.any(hum_in([line], [np.ones(len(short))], short)[0])
