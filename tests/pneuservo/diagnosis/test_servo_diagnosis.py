@@ -75,17 +75,17 @@ def test_a_piston_at_rest_without_pressures_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("effect", "blocks"),
+    ("effect", "blocks", "duration"),
     [
-        ("leakage.chamber-a", {"chamber.a"}),
-        ("spool.hysteresis", {"valve.spool"}),
+        ("leakage.chamber-a", {"chamber.a"}, 2.0),
+        ("spool.hysteresis", {"valve.spool"}, 3.0),
     ],
 )
-def test_a_planted_effect_is_named_and_put_in_its_block(effect, blocks, tmp_path):
+def test_a_planted_effect_is_named_and_put_in_its_block(effect, blocks, duration, tmp_path):
     make_case(11, effect, "visible", tmp_path)
     used, held_back = (
         [
-            read_recording(str(path)).slice(0.0, 3.0)
+            read_recording(str(path)).slice(0.0, duration)
             for path in sorted(tmp_path.glob(f"{part}-*.csv"))
         ]
         for part in ("used", "held-back")

@@ -16,7 +16,7 @@ def leaking(area):
     """Return a recording of a servo whose rod seal leaks."""
     rig = load_rig("single-axis")
     effects = {LEAK: {"area": area, "laminar": 0.0}} if area else {}
-    return recorded(dataclasses.replace(rig, effects=effects), Proportional(), 6)
+    return recorded(dataclasses.replace(rig, effects=effects), Proportional(), 6, duration=2.0)
 
 
 def test_the_size_below_which_a_leak_would_not_show_is_where_it_begins_to():

@@ -18,7 +18,7 @@ def diagnosed(key, tolerances):
     rig = load_rig("single-axis")
     parameter = rig.parameters[key]
     off = rig.with_values({key: parameter.value + tolerances * parameter.tolerance})
-    used = [recorded(off, Proportional(), 5), recorded(off, SlidingMode(), 6)]
+    used = [recorded(off, Proportional(), 5, 2.0), recorded(off, SlidingMode(), 6, 2.0)]
     return document(diagnose(used)), off[key]
 
 
