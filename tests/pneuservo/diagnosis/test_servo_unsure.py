@@ -15,6 +15,7 @@ from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.trust import may_only_seem_to_rest, unsure_of_rest
 from pneuservo.diagnosis.readings import ranked_readings
+from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES
 from pneuservo.recordings import Recording
 from pneuservo.report.page import diagnosis_page
 from pneuservo.rigs import load_rig
@@ -131,6 +132,8 @@ def test_nothing_is_named_that_shows_only_where_nobody_knows_the_command(rig):
     found = diagnose([replace(recording, noise_rms=fine)])
     answer = document(found)
     assert answer["verdict"] == "consistent", found.search.accepted
+    # Something was named at first, and had to go for that.
+    assert UNKNOWN_BETWEEN_SAMPLES in [step.why for step in found.search.ledger]
     assert answer["not_judged"] == ["run"]
     sentence = "What the command of run did between its samples is not known"
     assert sentence in diagnosis_page(found, answer)
