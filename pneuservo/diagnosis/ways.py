@@ -212,9 +212,8 @@ def likeliest_of_each(ways: Sequence[Cases], unlikely: Sequence[Mapping[int, flo
     unlikely : sequence of mapping
         From `unlikeliness_in`, or of each way from `by_recording`.
     """
-    return [
-        case
-        for recording in unlikely[0]
-        for case in min(zip(ways, unlikely, strict=True), key=lambda way: way[1][recording])[0]
-        if id(case.origin) == recording
-    ]
+    found = []
+    for recording in unlikely[0]:
+        way = min(range(len(ways)), key=lambda each: unlikely[each][recording])
+        found.extend(of_recording(ways[way], recording))
+    return found
