@@ -31,6 +31,17 @@ class CommandGroup(click.Group):
         raise click.exceptions.Exit(status)
 
 
+def warn(message: str) -> None:
+    """Say on stderr what the user should know and need not act on.
+
+    Parameters
+    ----------
+    message : str
+        One sentence, without a full stop.
+    """
+    click.echo(f"Warning: {message}", err=True)
+
+
 class Quantity(click.ParamType):
     """An option that takes a number in SI or a number with a unit, such as ``70ms``.
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import click
+from analog_card.console import warn
 
 if TYPE_CHECKING:
     from pneuservo.rigs import Rig
@@ -32,9 +32,8 @@ def baseline_rig(name: str) -> "Rig":
     rig = require_kind(name, "single-axis", effects=True)
     if not rig.effects:
         return rig
-    click.echo(
-        f"Warning: rig {name}: {', '.join(sorted(rig.effects))} is left out here; "
-        "see what it changes with pneuservo simulate or campaign",
-        err=True,
+    warn(
+        f"rig {name}: {', '.join(sorted(rig.effects))} is left out here; "
+        "see what it changes with pneuservo simulate or campaign"
     )
     return replace(rig, effects={})

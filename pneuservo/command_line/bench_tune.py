@@ -7,15 +7,15 @@ from typing import Any
 import click
 import numpy as np
 
-from analog_card.console import Quantity, progress
+from analog_card.console import Quantity, progress, warn
 from analog_card.design_file import design_to_toml, load_design
 from analog_card.files import write_whole
 from analog_card.tuning import read_settings
 from pneuservo.bench_tuning import BenchTuning, bench_tune
 from pneuservo.command_line.baseline_rig import baseline_rig
+from pneuservo.command_line.recording_files import read
 from pneuservo.controllers import SlidingMode
 from pneuservo.errors import InputError
-from pneuservo.recordings import read_recording
 from pneuservo.simulation.replay import initial_state
 
 # Without a recording: the thesis' step, after a moment at rest.
@@ -83,14 +83,14 @@ def command(
 
 
 def _from_recording(path: str, card: Any, ideal: SlidingMode, rig: str | None, step: Any) -> Any:
-    source = read_recording(path, rig)
+    source = read(path, rig)
     for channel in ("demand", "displacement"):
         if channel not in source:
             raise InputError(
                 f"{path}: there is no channel {channel}; there are: {', '.join(source.channels)}"
             )
     used = baseline_rig(rig or source.rig).with_conditions(source.conditions)
-    start = initial_state(source, used, lambda message: click.echo(f"Warning: {message}", err=True))
+    start = initial_state(source, used, warn)
     return bench_tune(
         card,
         ideal,

@@ -9,7 +9,7 @@ import tomli_w
 
 from analog_card.console import Count, Quantity, progress
 from analog_card.files import write_whole
-from pneuservo.command_line.diagnose import Window
+from pneuservo.command_line.recording_files import Window, read
 from pneuservo.errors import InputError
 
 _EPILOG = """\b
@@ -104,13 +104,8 @@ def _recordings(
                 write_recording(made, out / "recordings" / f"{made.name}.csv")
                 yield made
         return
-    from pneuservo.recordings import read_recording
-
     for path in paths:
-        recording = read_recording(path, rig)
-        for message in recording.warnings:
-            click.echo(f"Warning: {path}: {message}", err=True)
-        yield recording if window is None else recording.slice(*window)
+        yield read(path, rig, window)
 
 
 def _document(found: Any, reference: float) -> dict[str, Any]:

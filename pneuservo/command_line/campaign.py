@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from analog_card.console import Count, Quantity, progress
+from analog_card.console import Count, Quantity, progress, warn
 from pneuservo.command_line.campaign_options import (
     hand_out,
     options_of_place,
@@ -93,7 +93,7 @@ def command(
     require_picture("--plot", plot)
     require_one_place(cluster, jobs)
     settings = read_given(file, vary, given)
-    campaign = campaign_of(settings, "--vary" if file is None else f"{file} [vary]", _warn)
+    campaign = campaign_of(settings, "--vary" if file is None else f"{file} [vary]", warn)
     with progress(len(campaign)) as step, place_of(cluster, jobs) as (pool, processes):
         outcome = run_campaign(campaign, out, processes, step, pool)
     _report(outcome, out, plot, as_json)
@@ -188,7 +188,3 @@ def _shown_metric(metric: str, value: float | None) -> str:
     if value is None or math.isnan(value):
         return ""
     return f"{round(shown(value, shown_unit(metric), METRICS[metric]), 4) + 0.0:.4g}"
-
-
-def _warn(message: str) -> None:
-    click.echo(f"Warning: {message}", err=True)

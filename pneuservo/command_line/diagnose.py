@@ -8,36 +8,7 @@ import click
 
 from analog_card.console import Count, progress
 from analog_card.files import write_files
-from analog_card.quantities import to_si
-from pneuservo.errors import InputError
-from pneuservo.recordings import Recording, read_recording
-from pneuservo.recordings.time_checks import FEWEST_SAMPLES
-
-
-class Window(click.ParamType):
-    """A stretch of time, ``START:END``, either side optional."""
-
-    name = "START:END"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, float]:
-        """Return start and end in seconds."""
-        if isinstance(value, tuple):
-            return value
-        start, separator, end = str(value).partition(":")
-        if not separator:
-            self.fail(f"{value!r} has no colon; write for example 1.5:4 or 82s:", param, ctx)
-        try:
-            window = (
-                to_si(start, "s", "start") if start.strip() else float("-inf"),
-                to_si(end, "s", "end") if end.strip() else float("inf"),
-            )
-        except Exception as problem:
-            self.fail(str(problem), param, ctx)
-        if window[0] >= window[1]:
-            self.fail(f"{value!r} ends before it starts", param, ctx)
-        return window
+from pneuservo.command_line.recording_files import Window, read
 
 
 class _ManyValidated(click.Command):
@@ -129,8 +100,8 @@ def command(
 
     with progress() as step:
         step("reading the recordings")
-        used = [_read(path, rig, window) for path in recordings]
-        held_back = [_read(path, rig, validate_window) for path in validate]
+        used = [read(path, rig, window) for path in recordings]
+        held_back = [read(path, rig, validate_window) for path in validate]
         found = diagnose(used, held_back, rig, step, seed, without, jobs or processors())
         step("writing the report")
         answer = write_answer(found, out)
@@ -172,17 +143,3 @@ def write_answer(found: Any, folder: Path) -> dict[str, Any]:
         folder, {**answer_files(found, answer), "report.html": diagnosis_page(found, answer)}
     )
     return answer
-
-
-def _read(path: str, rig: str | None, window: tuple[float, float] | None) -> Recording:
-    recording = read_recording(path, rig)
-    if window is None:
-        return recording
-    cut = recording.slice(*window)
-    if len(cut) < FEWEST_SAMPLES:
-        first, last = recording.time[0], recording.time[-1]
-        raise InputError(
-            f"{path}: {len(cut)} samples lie in the window {window[0]:g}:{window[1]:g} s, at "
-            f"least {FEWEST_SAMPLES} are needed; the recording runs from {first:g} to {last:g} s"
-        )
-    return cut

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from analog_card.console import Quantity, progress
+from analog_card.console import Quantity, progress, warn
 from pneuservo.errors import InputError
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def command(
         raise InputError(f"--moved is not used by --motion {motion}; leave it out")
     figure = _figure(name, axes, without)
     for axis, effects in figure.left_out.items():
-        click.echo(f"Warning: {axis}: left out of the run: {', '.join(effects)}", err=True)
+        warn(f"{axis}: left out of the run: {', '.join(effects)}")
     given = {key: value for key, value in shape.items() if value is not None}
     controlled = loop_controller(controller, given).controller
     time = sampled_time(duration, rate)

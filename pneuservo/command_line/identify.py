@@ -10,7 +10,7 @@ import tomli_w
 
 from analog_card.console import Count, Quantity, progress
 from analog_card.files import write_whole
-from pneuservo.command_line.diagnose import Window
+from pneuservo.command_line.recording_files import Window, read
 from pneuservo.errors import InputError
 
 METHODS = ("output-error", "least-squares", "evolution")
@@ -85,17 +85,11 @@ def command(
     Writes identification.json, rig.toml (the rig with the values found, which other commands
     accept as --rig) and fit.svg. Exit status 3 when a fit failed.
     """
-    from pneuservo.recordings import read_recording
     from pneuservo.rigs import load_rig
 
     with progress() as step:
         step("reading the recordings")
-        used = []
-        for path in recordings:
-            recording = read_recording(path, rig)
-            for message in recording.warnings:
-                click.echo(f"Warning: {path}: {message}", err=True)
-            used.append(recording if window is None else recording.slice(*window))
+        used = [read(path, rig, window) for path in recordings]
         step("identifying")
         kind = load_rig(rig or used[0].rig).kind
         found, each = _identified(kind, method, used, rig, options)

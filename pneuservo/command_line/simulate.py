@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from analog_card.behaviour import Imperfections
-from analog_card.console import Count, Quantity
+from analog_card.console import Count, Quantity, warn
 from pneuservo.command_line.loop_controller import (
     CARDS,
     UNITS,
@@ -20,9 +20,10 @@ from pneuservo.command_line.loop_controller import (
     loop_controller,
     written,
 )
+from pneuservo.command_line.recording_files import read
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
-from pneuservo.recordings import CHANNELS, Recording, read_recording, write_recording
+from pneuservo.recordings import CHANNELS, Recording, write_recording
 from pneuservo.report.picture_files import require_picture, write_picture
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import Simulation, replay, step_demand
@@ -145,7 +146,7 @@ def command(
             {"demand": demand, "hold": hold, "rate": rate, "phase_plane": phase_plane, **given},
             "a replay",
         )
-        source = _read(replayed, rig)
+        source = read(replayed, rig)
         result = _replay(source, rig, port, seed)
     elif controller is not None:
         _refuse({"port": port}, "a closed loop")
@@ -170,7 +171,7 @@ def command(
 def _replay(source: Recording, rig_name: str | None, port: str | None, seed: int) -> Simulation:
     rig = load_rig(rig_name or source.rig)
     if rig.kind == "single-axis" or (rig.kind == "dead-volume" and not rig.effects):
-        return replay(source, rig, port, _warn, seed)
+        return replay(source, rig, port, warn, seed)
     from pneuservo.diagnosis.replay import replay_model
 
     _refuse({"port": port}, f"a replay on rig {rig.name}")
@@ -193,22 +194,15 @@ def _closed_loop(
         time, samples = step_demand(values, hold or HOLD, rate or RATE)
         return loop.run(rig, time, samples, seed=seed), None
     _refuse({"hold": hold, "rate": rate}, "a recorded demand")
-    source = _read(demand, rig_name)
+    source = read(demand, rig_name)
     if "demand" not in source:
         raise InputError(
             f"{demand}: there is no channel demand; there are: {', '.join(source.channels)}"
         )
     rig = require_kind(rig_name or source.rig, "single-axis", effects=True)
     rig = rig.with_conditions(source.conditions)
-    start = initial_state(source, rig, _warn)
+    start = initial_state(source, rig, warn)
     return loop.run(rig, source.time, source["demand"], start, seed), source
-
-
-def _read(path: str, rig: str | None) -> Recording:
-    recording = read_recording(path, rig)
-    for message in recording.warnings:
-        _warn(f"{path}: {message}")
-    return recording
 
 
 def _write(
@@ -327,7 +321,3 @@ def _refuse(options: Mapping[str, Any], what: str) -> None:
     for name, value in options.items():
         if value is not None:
             raise InputError(f"{written(name)} is not used by {what}; leave it out")
-
-
-def _warn(message: str) -> None:
-    click.echo(f"Warning: {message}", err=True)

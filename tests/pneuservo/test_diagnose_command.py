@@ -79,6 +79,15 @@ def answered(recordings, tmp_path_factory):
     return done, folder
 
 
+def test_a_column_that_is_no_channel_is_said_to_be_left_out(run, tmp_path):
+    path = tmp_path / "mistyped.csv"
+    rows = "".join(f"{k / 100},0.015,0\n" for k in range(200))
+    path.write_text("time,displacement,forse\n" + rows)
+    done = run(str(path))
+    assert "Warning: " in done.stderr
+    assert "mistyped.csv: columns that are no channels were left out: 'forse'" in done.stderr
+
+
 def test_json_is_all_that_is_printed(answered):
     done, folder = answered
     assert json.loads(done.stdout) == json.loads((folder / "diagnosis.json").read_text())

@@ -1,0 +1,74 @@
+"""Recordings named on a command line: what was worked around is said, and a window is cut out."""
+
+from typing import Any
+
+import click
+
+from analog_card.console import warn
+from analog_card.quantities import to_si
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording, read_recording
+from pneuservo.recordings.time_checks import FEWEST_SAMPLES
+
+
+class Window(click.ParamType):
+    """A stretch of time, ``START:END``, either side optional."""
+
+    name = "START:END"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, float]:
+        """Return start and end in seconds."""
+        if isinstance(value, tuple):
+            return value
+        start, separator, end = str(value).partition(":")
+        if not separator:
+            self.fail(f"{value!r} has no colon; write for example 1.5:4 or 82s:", param, ctx)
+        try:
+            window = (
+                to_si(start, "s", "start") if start.strip() else float("-inf"),
+                to_si(end, "s", "end") if end.strip() else float("inf"),
+            )
+        except Exception as problem:
+            self.fail(str(problem), param, ctx)
+        if window[0] >= window[1]:
+            self.fail(f"{value!r} ends before it starts", param, ctx)
+        return window
+
+
+def read(path: str, rig: str | None, window: tuple[float, float] | None = None) -> Recording:
+    """Read a recording, say on stderr what was worked around, and cut the window out of it.
+
+    Parameters
+    ----------
+    path : str
+        The data file.
+    rig : str, optional
+        Rig name or rig file, in place of the one that the recording names.
+    window : tuple of float, optional
+        Start and end of what is used [s]; all of it by default.
+
+    Returns
+    -------
+    Recording
+        The part that lies in the window.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be used, or too little of it lies in the window.
+    """
+    recording = read_recording(path, rig)
+    for message in recording.warnings:
+        warn(f"{path}: {message}")
+    if window is None:
+        return recording
+    cut = recording.slice(*window)
+    if len(cut) < FEWEST_SAMPLES:
+        first, last = recording.time[0], recording.time[-1]
+        raise InputError(
+            f"{path}: {len(cut)} samples lie in the window {window[0]:g}:{window[1]:g} s, at "
+            f"least {FEWEST_SAMPLES} are needed; the recording runs from {first:g} to {last:g} s"
+        )
+    return cut
