@@ -30,14 +30,15 @@ def test_no_effect_raises_no_alarm(controller, seed):
 def test_a_wrong_mass_is_a_parameter_and_no_physics():
     rig = load_rig("single-axis")
     heavy = rig.with_values({"load.mass": 1.2 * rig["load.mass"]})
-    found = diagnose([recorded(heavy, Proportional(), 3)])
+    run = recorded(heavy, Proportional(), 3, duration=2.0)
+    found = diagnose([run])
     answer = document(found)
     assert answer["verdict"] == "parameter", found.search.accepted
     mass = answer["corrected_parameters"]["load.mass"]
     assert mass["value"] == pytest.approx(heavy["load.mass"], rel=0.02)
     assert [entry["block"] for entry in answer["located"]] == ["load"]
     # Two fits at a time give the same answer to the last digit.
-    both = diagnose([recorded(heavy, Proportional(), 3)], jobs=2)
+    both = diagnose([run], jobs=2)
     assert document(both) == answer
 
 
