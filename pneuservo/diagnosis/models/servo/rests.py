@@ -170,9 +170,11 @@ def _would_swing(driving: Array, interval: float) -> Array:
     width = 2 * round(0.5 * REST_TIME / interval) + 1
     if not 3 < width <= len(driving):
         return np.zeros_like(driving)
-    way = np.cumsum(np.cumsum(driving - np.mean(driving))) * interval**2
-    beside = way - savgol_filter(way, width, 2)
-    return np.asarray(np.sqrt(np.abs(uniform_filter1d(beside**2, width, mode="nearest"))))
+    # Beside values with which the observer runs away it swings without end, and that is no error.
+    with np.errstate(over="ignore"):
+        way = np.cumsum(np.cumsum(driving - np.mean(driving))) * interval**2
+        beside = way - savgol_filter(way, width, 2)
+        return np.asarray(np.sqrt(np.abs(uniform_filter1d(beside**2, width, mode="nearest"))))
 
 
 def averaged(readings: Array, interval: float, over: float = FORCE_SMOOTHING) -> Array:
