@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, noise_level
 from pneuservo.diagnosis.problem import values_in_each
-from pneuservo.diagnosis.strained import are_judged, leaves_noise, only_followed
+from pneuservo.diagnosis.strained import leaves_noise, only_followed
 from pneuservo.effects import CATALOGUE, effect_by_id
 
 
@@ -89,14 +89,14 @@ class Accepted(Hypotheses):
         return [1.0] * len(self.cases) if self.model.steady else self.noise
 
     def are_judged(self, found: Fit) -> bool:
-        """Return whether what a model may follow is judged, and not left far below its noise.
+        """Return whether it is known of every recording what drove it.
 
         Parameters
         ----------
         found : Fit
             Of one of the hypotheses.
         """
-        return are_judged(self.cases, found, self.unit_of_noise, self.model.follows)
+        return not self.only_followed(found)
 
     def only_followed(self, found: Fit) -> set[int]:
         """Return the identities of recordings of which nobody knows what drove them.
@@ -106,9 +106,7 @@ class Accepted(Hypotheses):
         found : Fit
             Of one of the hypotheses.
         """
-        if not self.model.steady:
-            return set()
-        return only_followed(self.cases, found, self.unit_of_noise, self.model.follows)
+        return only_followed(self.model, self.cases, found, self.unit_of_noise)
 
     def gained_where_judged(self, rest: Fit, closer: Fit) -> float:
         """Return by how much less a fit leaves, in noise, of recordings that are not only followed.

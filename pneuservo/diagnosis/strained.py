@@ -104,30 +104,20 @@ def leaves_noise(cases: Sequence[Case], found: Fit, noise: Sequence[float]) -> b
     )
 
 
-def are_judged(
-    cases: Sequence[Case], found: Fit, noise: Sequence[float], channels: Collection[str]
-) -> bool:
-    """Return whether no channel that a model may follow is left far below its noise.
-
-    Parameters
-    ----------
-    cases, found, noise
-        As for `leaves_noise`.
-    channels : collection of str
-        Those that a model may follow.
-    """
-    return not only_followed(cases, found, noise, channels)
-
-
 def only_followed(
-    cases: Sequence[Case], found: Fit, noise: Sequence[float], channels: Collection[str]
+    model: Model, cases: Sequence[Case], found: Fit, noise: Sequence[float]
 ) -> set[int]:
     """Return the recordings of which a channel that a model may follow is left far below its noise.
 
+    Where the command stands still but for jumps it is known what drove the rig: steep pressures may
+    then have passed for noise (530 Pa of 380, against an end stop).
+
     Parameters
     ----------
-    cases, found, noise, channels
-        As for `are_judged`.
+    model : Model
+        What is fitted.
+    cases, found, noise
+        As for `leaves_noise`.
 
     Returns
     -------
@@ -137,7 +127,9 @@ def only_followed(
     return {
         id(case.origin)
         for case, residual, size in zip(cases, found.residuals, noise, strict=True)
-        if case.channel in channels and rms([residual]) <= FOLLOWED * size
+        if case.channel in model.follows
+        and rms([residual]) <= FOLLOWED * size
+        and not model.stored(case)
     }
 
 

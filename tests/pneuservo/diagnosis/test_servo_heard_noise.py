@@ -10,7 +10,7 @@ from pneuservo.controllers import DigitalSlidingMode, SlidingMode
 from pneuservo.diagnosis import diagnose, document
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import ranked_readings
-from pneuservo.diagnosis.strained import are_judged
+from pneuservo.diagnosis.strained import only_followed
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
@@ -90,8 +90,21 @@ def test_beside_noise_that_is_heard_a_wrong_parameter_is_one(rig):
     assert answer["corrected_parameters"][index]["value"] == pytest.approx(1.15, abs=0.02)
 
 
-@pytest.mark.parametrize(("level", "judged"), [(1.0, True), (0.5, False)])
-def test_a_pressure_far_below_its_noise_was_only_followed(level, judged):
-    cases = [SimpleNamespace(channel=name, origin=None) for name in ("pressure_a", "spool")]
+@pytest.mark.parametrize(
+    ("command", "level", "followed"),
+    [("chatter", 1.0, False), ("chatter", 0.5, True), ("steps", 0.5, False)],
+)
+def test_a_pressure_far_below_its_noise_was_only_followed(command, level, followed):
+    times = np.arange(40)
+    voltage = (
+        np.sin(2.0 * times)
+        if command == "chatter"
+        else np.array([0.0, 1.0, -2.0, 3.0])[times // 10]
+    )
+    inputs = {"feed": SimpleNamespace(voltage=voltage)}
+    cases = [
+        SimpleNamespace(channel=name, origin=None, inputs=inputs)
+        for name in ("pressure_a", "spool")
+    ]
     found = SimpleNamespace(residuals=(np.full(9, level), np.full(9, 0.1)))
-    assert are_judged(cases, found, [1.0, 1.0], ServoModel.follows) is judged
+    assert bool(only_followed(ServoModel(), cases, found, [1.0, 1.0])) is followed
