@@ -143,7 +143,7 @@ class Pretence:
                 lambda rng: self._imitated(values, rng), draws
             )
         return [
-            fitted.beyond_refit(fitted.weigh(copy.left))
+            fitted.beyond_refit(fitted.weigh(_no_worse(copy.left, fitted.residuals)))
             for copy in self._imitations[fitted.hypothesis]
         ]
 
@@ -221,6 +221,17 @@ class Pretence:
         shown = self.visible(beside)
         usual = shown[name].pretended if name in shown else 0.0
         return max(fitted, usual, self._gained_in_copies(beside, closer))
+
+
+def _no_worse(left: Sequence[Array], recorded: Sequence[Array]) -> list[Array]:
+    """Return what copies leave, nowhere more than the recording leaves of that channel somewhere.
+
+    Where the recorded piston creeps that of a copy may stick and slip, which its motion does not
+    tell: such moments left 27 times the noise, the recording nowhere more than 5 times, and an
+    overlap that gained 1,183 had to explain 1,528 for them.
+    """
+    most = [float(np.max(np.abs(each), initial=0.0)) for each in recorded]
+    return [np.clip(each, -limit, limit) for each, limit in zip(left, most, strict=True)]
 
 
 def _is_like(copy: _Copy, beside: Fit) -> bool:

@@ -13,7 +13,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.diagnosis.noise import wander
-from pneuservo.diagnosis.pretence import Pretence
+from pneuservo.diagnosis.pretence import Pretence, _no_worse
 from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
 
@@ -135,3 +135,10 @@ def test_a_rig_that_runs_away_does_not_end_the_diagnosis(rig):
     for copy in copies:
         left = copy.measured - model.predict(copy, {})
         assert np.nanstd(left) < 1.2, copy.channel
+
+
+def test_no_moment_of_a_copy_counts_for_more_than_the_worst_of_the_recording():
+    recorded = [np.array([1.0, -3.0, 2.0]), np.zeros(3)]
+    copy = [np.array([27.0, -2.0, -27.0]), np.ones(3)]
+    found = _no_worse(copy, recorded)
+    assert [each.tolist() for each in found] == [[3.0, -2.0, -3.0], [0.0, 0.0, 0.0]]
