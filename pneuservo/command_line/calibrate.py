@@ -7,7 +7,7 @@ from typing import Any
 import click
 import tomli_w
 
-from analog_card.console import Count, Quantity, progress
+from analog_card.console import Count, Quantity, progress, warn
 from analog_card.files import write_whole
 from pneuservo.command_line.recording_files import Window, read
 from pneuservo.errors import InputError
@@ -186,7 +186,7 @@ def _write(found: Any, answer: dict[str, Any], out: Path) -> str | None:
         try:
             tables = tomli_w.dumps(valve_document(found.tables(rig), "pneuservo calibrate"))
         except InputError as problem:
-            click.echo(f"Warning: no valve.toml: {problem}", err=True)
+            warn(f"no valve.toml: {problem}")
     valve = None
     if tables is not None:
         valve = str(write_whole(out / "valve.toml", tables))

@@ -8,7 +8,7 @@ from typing import Any
 import click
 import tomli_w
 
-from analog_card.console import Count, Quantity, progress
+from analog_card.console import Count, Quantity, progress, warn
 from analog_card.files import write_whole
 from pneuservo.command_line.recording_files import Window, read
 from pneuservo.errors import InputError
@@ -152,7 +152,7 @@ def _by_least_squares(
         try:
             each = identification.identify_each(recordings, rig, **shape)
         except InputError as problem:
-            click.echo(f"Warning: no values by direction: {problem}", err=True)
+            warn(f"no values by direction: {problem}")
     return found, each
 
 

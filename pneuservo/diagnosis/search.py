@@ -247,7 +247,7 @@ class Search(Rivals):
 
         A loop that chatters between the samples of its command does what no effect does.
         """
-        if not self.model.steady or self.are_judged(self.chosen):
+        if self.are_judged(self.chosen):
             return
         for member in self.accepted[::-1]:
             least = LEAST_DISTANCE if member.startswith("param.") else LEAST_GAIN
