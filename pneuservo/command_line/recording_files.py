@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from analog_card.console import warn
+from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
@@ -30,7 +31,7 @@ class Window(click.ParamType):
                 to_si(start, "s", "start") if start.strip() else float("-inf"),
                 to_si(end, "s", "end") if end.strip() else float("inf"),
             )
-        except Exception as problem:
+        except QuantityError as problem:
             self.fail(str(problem), param, ctx)
         if window[0] >= window[1]:
             self.fail(f"{value!r} ends before it starts", param, ctx)
