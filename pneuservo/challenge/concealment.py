@@ -96,7 +96,7 @@ def of_size(
         raise InputError(f"{effect.id} of {size:g} {effect.unit}: cannot be simulated; try less")
     found = sensitivity(scene.baseline, trials, runs, scene.noise, free)
     seen = signature(scene.baseline, trials, runs, scene.noise)
-    far = distance(found, seen, scene.baseline, trials, runs, scene.noise)
+    far = distance(found, scene.baseline, trials, runs, scene.noise)
     return Concealed(size, far, found, seen)
 
 

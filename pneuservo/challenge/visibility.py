@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from pneuservo.challenge.experiments import RATE, Experiment
 from pneuservo.challenge.noise import ChannelNoise, whitened
@@ -29,8 +30,10 @@ _START_STEPS = {
 _RELATIVE_STEP = 0.01
 _TOLD_APART = 1e-4
 """Beside the strongest, what a segment starts with has to show by this share to be moved."""
-_REFITS = 3
+_REFITS = 20
 _LARGEST_REFIT = 0.5
+_SETTLED = 0.05
+"""A refit has come to its end when the square of the distance falls by no more than this share."""
 
 
 def visibility_class(distance: float) -> str:
@@ -113,32 +116,20 @@ class Sensitivity:
             state[list(_START_STEPS)] += share / lengths
         return moved
 
-    def _by_segment(self, values: Array) -> list[Array]:
-        """Return views of the values of each segment."""
-        return np.split(values, np.cumsum([len(part) for part in self.starts[:-1]], dtype=int))
-
-    def absorbing(self, signature: Array, moved: Array) -> tuple[Array, float]:
-        """Return how a re-tuned baseline moves on, and what it then leaves.
+    def nearer(self, one: Array, other: Array) -> Array:
+        """Return of two whitened signatures in each segment the smaller one.
 
         Parameters
         ----------
-        signature : (n,) array
-            Whitened, of the baseline as it is [-].
-        moved : (keys,) array
-            Relative changes so far.
-
-        Returns
-        -------
-        change : (keys,) array
-            Further relative changes.
-        left : float
-            Norm of what is left, changes in units of their tolerance included [-].
+        one, other : (n,) array
+            Of other starts of the same segments: one that was moved into a stop explains nothing.
         """
-        rest = self.without_starts(signature)
-        matrix = np.concatenate([self.matrix, np.diag(1.0 / self.tolerances)])
-        wanted = np.concatenate([rest, -moved / self.tolerances])
-        change, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
-        return change, float(np.linalg.norm(wanted - matrix @ change))
+        pairs = zip(self._by_segment(one), self._by_segment(other), strict=True)
+        return np.concatenate([a if a @ a < b @ b else b for a, b in pairs])
+
+    def _by_segment(self, values: Array) -> list[Array]:
+        """Return views of the values of each segment."""
+        return np.split(values, np.cumsum([len(part) for part in self.starts[:-1]], dtype=int))
 
 
 def perform(truth: Truth, trial: Experiment) -> Run:
@@ -230,7 +221,6 @@ def sensitivity(
 
 def distance(
     found: Sensitivity,
-    of: Array,
     baseline: Truth,
     trials: Sequence[Experiment],
     runs: Sequence[Run],
@@ -242,8 +232,6 @@ def distance(
     ----------
     found : Sensitivity
         Along the same runs.
-    of : (n,) array
-        From `signature`.
     baseline, trials, runs, noise
         As for `signature`.
 
@@ -254,31 +242,36 @@ def distance(
 
     Notes
     -----
-    Tolerances count as measurements of the parameters. Gauss-Newton steps with one Jacobian: a
-    single linear projection would count the curvature of what is absorbed as visible. Starts of
-    segments move as well: a zero that is off by a millimetre, beside a dead volume that is as much
-    smaller, would otherwise count as 51 where 7 of it shows.
+    Tolerances count as measurements of the parameters. Least squares, for a single linear
+    projection would count the curvature of what is absorbed as visible; with one Jacobian, in a
+    trust region, for against a stop full steps lead away. Starts of segments move as well: a zero
+    that is off by a millimetre, beside a dead volume that is as much smaller, would otherwise count
+    as 51 where 7 of it shows.
     """
-    moved = np.zeros(len(found.keys))
-    smallest = math.inf
-    for _ in range(_REFITS + 1):
-        change, left = found.absorbing(of, moved)
-        if left >= smallest:
-            break
-        smallest = left
-        moved = np.clip(moved + change, -_LARGEST_REFIT, _LARGEST_REFIT)
+
+    def left(moved: Array) -> Array:
         values = {
             key: rig_value(baseline, key) * (1.0 + part)
             for key, part in zip(found.keys, moved.tolist(), strict=True)
         }
         now = with_rig_values(baseline, values)
-        of = signature(now, trials, runs, noise)
-        if np.all(np.isfinite(of)):
-            runs = found.restarted(runs, of)
-            of = signature(now, trials, runs, noise)
-        if not np.all(np.isfinite(of)):
-            break
-    return smallest
+        seen = signature(now, trials, runs, noise)
+        if np.all(np.isfinite(seen)):
+            again = signature(now, trials, found.restarted(runs, seen), noise)
+            seen = found.nearer(again, seen)
+        return np.concatenate([found.without_starts(seen), moved / found.tolerances])
+
+    slopes = np.concatenate([-found.matrix, np.diag(1.0 / found.tolerances)])
+    closest = least_squares(
+        left,
+        np.zeros(len(found.keys)),
+        jac=lambda _: slopes,
+        bounds=(-_LARGEST_REFIT, _LARGEST_REFIT),
+        x_scale="jac",
+        ftol=_SETTLED,
+        max_nfev=_REFITS,
+    )
+    return math.sqrt(2.0 * closest.cost)
 
 
 def _start_changes(
