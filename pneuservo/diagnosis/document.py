@@ -213,15 +213,12 @@ def _missing(diagnosis: Diagnosis, member: str) -> dict[str, Any]:
     alike = [name for name in close if name in CATALOGUE]
     alike += [name for name in search.alike(member) if name not in alike]
     probability = {rival.candidate: rival.probability for rival in rivals}
-    # Of those that are tied the simpler one is named: it is as likely as they are.
+    # Where laws differ in form alone evidence between them says nothing; elsewhere the simpler one
+    # of those that are tied is named. Either way they share what they have.
     tied = [rival.candidate for rival in others if -TIED < rival.evidence - own.evidence < 0.0]
-    tied.append(member)
-    probability |= dict.fromkeys(tied, sum(probability[name] for name in tied) / len(tied))
-    if search.model.steady:
-        # Evidence between laws that differ in form alone says nothing: they share what they have.
-        together = [member, *alike]
-        shared = min(sum(probability[name] for name in together), SUREST) / len(together)
-        probability |= dict.fromkeys(together, shared)
+    together = [member, *(alike if search.model.steady else tied)]
+    shared = min(sum(probability[name] for name in together), SUREST) / len(together)
+    probability |= dict.fromkeys(together, shared)
     return {
         "effect": member,
         "block": search.block_of(member),
