@@ -2,8 +2,10 @@
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+
+from analog_card.errors import InputError
 
 
 def write_whole(path: str | Path, content: str | bytes) -> Path:
@@ -12,7 +14,8 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     Parameters
     ----------
     path : str or Path
-        Where to write; missing parent folders are made.
+        Where to write; missing parent folders are made. A link is followed; a device or a pipe is
+        written to and stays what it is.
     content : str or bytes
         What to write; text is encoded as UTF-8.
 
@@ -36,12 +39,16 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     data = content.encode("utf-8") if isinstance(content, str) else content
-    descriptor, scratch = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    target = path.resolve()
+    if target.exists() and not target.is_file() and not target.is_dir():
+        target.write_bytes(data)
+        return path
+    descriptor, scratch = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     try:
         with os.fdopen(descriptor, "wb") as stream:
             stream.write(data)
         os.chmod(scratch, 0o666 & ~_umask())
-        os.replace(scratch, path)
+        os.replace(scratch, target)
     except BaseException:
         Path(scratch).unlink(missing_ok=True)
         raise
@@ -69,6 +76,36 @@ def write_files(folder: str | Path, contents: Mapping[str, str | bytes]) -> list
         When the folder cannot be written to.
     """
     return [write_whole(Path(folder) / name, content) for name, content in contents.items()]
+
+
+def require_apart(outputs: Iterable[str | Path], inputs: Iterable[str | Path]) -> None:
+    """Refuse to write over what is read.
+
+    Parameters
+    ----------
+    outputs : iterable of str or Path
+        Files that are going to be written.
+    inputs : iterable of str or Path
+        Files that are read.
+
+    Raises
+    ------
+    InputError
+        When one file is among both, by whatever path.
+
+    Examples
+    --------
+    >>> require_apart(["out/card.toml"], ["card.toml"])
+    >>> require_apart(["card.toml"], ["./card.toml"])
+    Traceback (most recent call last):
+    analog_card.errors.InputError: card.toml: is read, and nothing that is read is written over; ...
+    """
+    read = {Path(path).resolve() for path in inputs}
+    for path in outputs:
+        if Path(path).resolve() in read:
+            raise InputError(
+                f"{path}: is read, and nothing that is read is written over; choose another --out"
+            )
 
 
 def _umask() -> int:

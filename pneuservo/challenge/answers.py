@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -16,6 +17,9 @@ from pneuservo.errors import InputError
 _CALL = "from pneuservo.command_line import main; main()"
 LONGEST = 1800.0
 """After this the diagnosis is taken to hang [s]."""
+_HANGS = 124
+"""Its exit status then, as of timeout(1)."""
+_STOPPED = {-signal.SIGINT, -signal.SIGTERM, -signal.SIGHUP, -signal.SIGKILL}
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,7 @@ class Answer:
     seconds : float
         How long it took, start of the process included [s].
     status : int
-        Exit status; -1 when it did not end in time.
+        Exit status; 124 when it did not end in time, negative when a signal ended it.
     message : str
         The end of what it wrote to standard error.
     program : str, optional
@@ -41,6 +45,12 @@ class Answer:
     status: int
     message: str
     program: str = ""
+
+    @property
+    def interrupted(self) -> bool:
+        """Return whether somebody stopped it before it was done: that says nothing of it."""
+        partial = self.document is not None and bool(self.document.get("partial"))
+        return partial or self.status in _STOPPED
 
 
 def ask(used: Sequence[Path], held_back: Sequence[Path], folder: Path, without: str = "") -> Answer:
@@ -75,7 +85,7 @@ def ask(used: Sequence[Path], held_back: Sequence[Path], folder: Path, without: 
         )
         status, said, message = done.returncode, done.stdout, done.stderr[-2000:]
     except subprocess.TimeoutExpired:
-        status, said, message = -1, "", f"no answer within {LONGEST:g} s"
+        status, said, message = _HANGS, "", f"no answer within {LONGEST:g} s"
     seconds = time.monotonic() - start
     document = None
     if status == 0:

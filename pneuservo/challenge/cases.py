@@ -1,6 +1,7 @@
 """Writing one case: recordings of a truth, the rig file the diagnosis is given, and the key."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,8 @@ from pneuservo.challenge.truth.run import READINGS, Run
 from pneuservo.challenge.visibility import perform, visibility_class
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
-from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs import Rig
+from pneuservo.rigs.rig_file import rig_document
 
 RIG_FILE = "rig.toml"
 USED, HELD_BACK, FOLLOW_UP = "used", "held-back", "follow-up"
@@ -173,14 +175,17 @@ def _write(
     rng: np.random.Generator,
     folder: Path,
 ) -> None:
-    write_whole(folder / RIG_FILE, tomli_w.dumps(_rig_document(rig)))
+    # All of them before the first is written: a case that is drawn anew leaves nothing behind.
+    runs = {name: perform(truth, trial) for name, trial in plan.items()}
+    for name, made in runs.items():
+        if not made.finite:
+            raise InputError(f"{name}: the servo with these effects cannot be simulated")
+    given = replace(rig, title="servo under test")
+    write_whole(folder / RIG_FILE, tomli_w.dumps(rig_document(given)))
     stated = bool(rng.integers(2))
     habit = draw_habit(rng, list(levels))
     for name, trial in plan.items():
-        made = perform(truth, trial)
-        if not made.finite:
-            raise InputError(f"{name}: the servo with these effects cannot be simulated")
-        recording = _recorded(name, made, trial, rig, levels, rng, stated)
+        recording = _recorded(name, runs[name], trial, rig, levels, rng, stated)
         write_dressed(recording, habit, rig, RIG_FILE, folder / f"{name}.csv")
 
 
@@ -210,19 +215,3 @@ def _recorded(
         noise_rms={key: level.total for key, level in levels.items()} if stated else {},
         title="ten seconds on the rig",
     )
-
-
-def _rig_document(rig: Rig) -> dict[str, Any]:
-    """Return a rig file that states what differs from the built-in rig."""
-    nominal = load_rig(rig.kind)
-    return {
-        "rig": {"kind": rig.kind, "title": "servo under test"},
-        "parameters": {
-            key: {
-                "value": f"{parameter.value!r} {parameter.unit}".strip(),
-                "tolerance": f"{parameter.tolerance!r} {parameter.unit}".strip(),
-            }
-            for key, parameter in rig.parameters.items()
-            if parameter.value != nominal[key]
-        },
-    }

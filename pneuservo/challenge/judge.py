@@ -277,8 +277,10 @@ def _parameter_figures(key: Mapping[str, Any], answer: Mapping[str, Any]) -> dic
 
 
 def _error(found: Mapping[str, Any], true: float) -> dict[str, float]:
-    value, low, high = (abs(float(found[part])) for part in ("value", "low", "high"))
+    value, low, high = (float(found[part]) for part in ("value", "low", "high"))
+    # Sizes are positive; which direction counts as that is the law's own affair.
+    ends = (low, high) if value >= 0.0 else (-high, -low)
     return {
-        "parameter error": abs(value / true - 1.0),
-        "inside the interval": float(min(low, high) <= true <= max(low, high)),
+        "parameter error": abs(abs(value) / true - 1.0),
+        "inside the interval": float(ends[0] <= true <= ends[1]),
     }

@@ -3,8 +3,15 @@
 import hashlib
 import json
 import secrets
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+import signal
+from collections.abc import Callable
+from concurrent.futures import (
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    as_completed,
+)
 from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -113,6 +120,8 @@ def open_trial(folder: Path, cases: int | None, seed: int | None) -> Trial:
         try:
             plan = json.loads(file.read_text(encoding="utf-8"))
             trial = Trial(folder, int(plan["seed"]), int(plan["cases"]), str(plan["code"]))
+            if trial.seed < 0 or trial.cases < 1:
+                raise ValueError("seed or cases is out of range")
         except (ValueError, KeyError, TypeError) as problem:
             raise InputError(f"{file}: is not the plan of a trial: {problem}") from problem
         if cases not in (None, trial.cases) or seed not in (None, trial.seed):
@@ -169,17 +178,22 @@ def make_cases(trial: Trial, jobs: int, step: Step = lambda text: None) -> dict[
             f"{trial.folder}: its cases were begun by another version of this program; "
             "begin a new trial in another folder"
         )
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(
+        jobs,
+        mp_context=get_context("spawn"),
+        # Interrupted, what is being made is finished: that takes seconds.
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    ) as pool:
         waiting = {
             pool.submit(_make, trial, name, number, wishes[name]): name
             for number, name in enumerate(trial.names)
             if name in missing
         }
-        for name in _each(waiting):
-            step(f"made {name}")
+        _wait(waiting, pool, lambda name: step(f"made {name}"))
     published = {name: sealed_commitment(trial.key_file(name)) for name in trial.names}
     file = trial.folder / _PUBLISHED
-    if file.exists() and json.loads(file.read_text(encoding="utf-8")) != published:
+    if file.exists() and _published(trial) != published:
         raise InputError(f"{file}: differs from the keys; make the trial again in a new folder")
     write_whole(file, json.dumps(published, indent=2) + "\n")
     return published
@@ -209,8 +223,7 @@ def diagnose_cases(
                 file = trial.answer_file(name, f"-{part}" if part else "", without)
                 if kept_answer(file) is None:
                     waiting[pool.submit(_diagnose, trial, name, part, without, program)] = name
-        for name in _each(waiting):
-            step(f"diagnosed {name}")
+        _wait(waiting, pool, lambda name: step(f"diagnosed {name}"))
 
 
 def judge_cases(trial: Trial, without: str = "") -> list[Judged]:
@@ -233,7 +246,7 @@ def judge_cases(trial: Trial, without: str = "") -> list[Judged]:
     InputError
         When a key is not the one whose commitment was published.
     """
-    published = json.loads((trial.folder / _PUBLISHED).read_text(encoding="utf-8"))
+    published = _published(trial)
     judged = []
     for name in trial.names:
         answer = kept_answer(trial.answer_file(name, without=without))
@@ -246,10 +259,26 @@ def judge_cases(trial: Trial, without: str = "") -> list[Judged]:
     return judged
 
 
-def _each(waiting: dict[Future[None], str]) -> Iterator[str]:
-    for future in as_completed(waiting):
-        future.result()
-        yield waiting[future]
+def _wait(waiting: dict[Future[None], str], pool: Executor, done: Step) -> None:
+    """Wait for all; told which is done. What has not begun when it is interrupted never does."""
+    try:
+        for future in as_completed(waiting):
+            future.result()
+            done(waiting[future])
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+
+
+def _published(trial: Trial) -> dict[str, str]:
+    file = trial.folder / _PUBLISHED
+    try:
+        published: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as problem:
+        raise InputError(f"{file}: cannot be read: {problem}") from problem
+    if not isinstance(published, dict) or set(published) != set(trial.names):
+        raise InputError(f"{file}: does not hold one commitment for each of {trial.cases} cases")
+    return published
 
 
 def _make(trial: Trial, name: str, number: int, wish: Wish) -> None:
@@ -272,6 +301,8 @@ def _diagnose(trial: Trial, name: str, part: str, without: str, program: str) ->
     held_back = _recordings(trial, name, HELD_BACK)
     scratch = trial.folder / "reports" / "-".join(filter(None, (name, part, without)))
     answer = replace(ask(used, held_back, scratch, without), program=program)
+    if answer.interrupted:
+        return
     keep_answer(answer, trial.answer_file(name, f"-{part}" if part else "", without))
 
 

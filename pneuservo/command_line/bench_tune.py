@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,9 +14,10 @@ from analog_card.files import write_whole
 from analog_card.tuning import read_settings
 from pneuservo.bench_tuning import BenchTuning, bench_tune
 from pneuservo.command_line.baseline_rig import baseline_rig
-from pneuservo.command_line.recording_files import read
+from pneuservo.command_line.recording_files import read, require_unread
 from pneuservo.controllers import SlidingMode
 from pneuservo.errors import InputError
+from pneuservo.recordings import Recording
 from pneuservo.simulation.replay import initial_state
 
 # Without a recording: the thesis' step, after a moment at rest.
@@ -64,15 +66,18 @@ def command(
     layer until no limit cycle is left and the overshoot is at most 2 %.
     """
     card = load_design(design)
+    source = None if recording is None else read(recording, rig)
+    if out is not None:
+        require_unread([Path(out)], [] if source is None else [source], design, rig)
     ideal = SlidingMode(settling_time, damping)
     with progress() as step:
-        if recording is None:
+        if source is None:
             time = np.arange(0.0, _BEFORE + _HOLD, 1.0 / _RATE)
             demand = np.where(time < _BEFORE, _REST, _STEP)
             used = baseline_rig(rig or "single-axis")
             found = bench_tune(card, ideal, time, demand, rig=used, step=step)
         else:
-            found = _from_recording(recording, card, ideal, rig, step)
+            found = _from_recording(source, card, ideal, rig, step)
     if out is not None:
         write_whole(out, design_to_toml(found.design))
     report = _report(found, out)
@@ -82,12 +87,14 @@ def command(
         _print(report)
 
 
-def _from_recording(path: str, card: Any, ideal: SlidingMode, rig: str | None, step: Any) -> Any:
-    source = read(path, rig)
+def _from_recording(
+    source: Recording, card: Any, ideal: SlidingMode, rig: str | None, step: Any
+) -> Any:
     for channel in ("demand", "displacement"):
         if channel not in source:
             raise InputError(
-                f"{path}: there is no channel {channel}; there are: {', '.join(source.channels)}"
+                f"{source.source}: there is no channel {channel}; there are: "
+                f"{', '.join(source.channels)}"
             )
     used = baseline_rig(rig or source.rig).with_conditions(source.conditions)
     start = initial_state(source, used, warn)

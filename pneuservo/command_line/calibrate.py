@@ -9,7 +9,7 @@ import tomli_w
 
 from analog_card.console import Count, Quantity, progress, warn
 from analog_card.files import write_whole
-from pneuservo.command_line.recording_files import Window, read
+from pneuservo.command_line.recording_files import Window, read, require_unread
 from pneuservo.errors import InputError
 
 _EPILOG = """\b
@@ -104,8 +104,13 @@ def _recordings(
                 write_recording(made, out / "recordings" / f"{made.name}.csv")
                 yield made
         return
+    from pneuservo.rigs import load_rig
+
     for path in paths:
-        yield read(path, rig, window)
+        recording = read(path, rig, window)
+        valve = load_rig(recording.rig).valve
+        require_unread([out / "valve.toml", out / "calibration.json"], [recording], valve)
+        yield recording
 
 
 def _document(found: Any, reference: float) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import click
 
 from analog_card.console import Count, progress
 from analog_card.files import write_whole
+from pneuservo.naming import require_known
 
 _QUICK, _FULL = 32, 200
 _EPILOG = """\b
@@ -76,12 +77,16 @@ def command(
         open_trial,
         summary,
     )
+    from pneuservo.diagnosis import PARTS
 
+    for part in without:
+        require_known(part, PARTS, "--without")
     if quick and cases is not None:
         raise click.UsageError("--quick and --cases exclude each other")
     wanted = _QUICK if quick else cases
     if wanted is None and not (out / "plan.json").exists():
         wanted = _FULL
+    others = [open_trial(folder, None, None) for folder in beside]
     trial = open_trial(out, wanted, seed)
     with progress((2 + len(without)) * trial.cases) as step:
         make_cases(trial, jobs, step)
@@ -96,7 +101,6 @@ def command(
     write_whole(out / "score.json", text + "\n")
     from pneuservo.challenge.page import trial_page
 
-    others = [open_trial(folder, None, None) for folder in beside]
     everything = [(trial, judged), *((other, judge_cases(other)) for other in others)]
     written = write_whole(page or out / "challenge.md", trial_page(everything))
     if as_json:

@@ -7,7 +7,7 @@ import click
 
 from analog_card.console import Count, progress
 from analog_card.design_file import design_to_toml
-from analog_card.files import write_files
+from analog_card.files import require_apart, write_files
 
 _EPILOG = """\b
 Examples:
@@ -36,10 +36,13 @@ def command(out: Path, recording: Path | None, seed: int) -> None:
     """Tune the card, run its netlist, close the loop, diagnose a recording, and report."""
     from pneuservo.demo import run_demo, summary
     from pneuservo.diagnosis import document
-    from pneuservo.report.answer_files import answer_files
+    from pneuservo.report.answer_files import NAMES, answer_files
     from pneuservo.report.demo_page import demo_page
     from pneuservo.report.words import headline
 
+    if recording is not None:
+        outputs = [out / name for name in (*NAMES, "card.toml", "summary.json")]
+        require_apart(outputs, [recording, recording.with_suffix(".toml")])
     with progress() as step:
         demo = run_demo(out, recording, seed, step)
         step("writing the report")

@@ -8,7 +8,7 @@ import click
 
 from analog_card.console import Count, progress
 from analog_card.files import write_files
-from pneuservo.command_line.recording_files import Window, read
+from pneuservo.command_line.recording_files import Window, read, require_unread
 
 
 class _ManyValidated(click.Command):
@@ -96,12 +96,14 @@ def command(
     answer, whatever it is; 2 for unusable input; 3 when a fit failed.
     """
     from pneuservo.diagnosis import diagnose
+    from pneuservo.report.answer_files import NAMES
     from pneuservo.simulation.trials import processors
 
     with progress() as step:
         step("reading the recordings")
         used = [read(path, rig, window) for path in recordings]
         held_back = [read(path, rig, validate_window) for path in validate]
+        require_unread([out / name for name in NAMES], [*used, *held_back], rig)
         found = diagnose(used, held_back, rig, step, seed, without, jobs or processors())
         step("writing the report")
         answer = write_answer(found, out)

@@ -9,9 +9,11 @@ import click
 import tomli_w
 
 from analog_card.console import Count, Quantity, progress, warn
-from analog_card.files import write_whole
-from pneuservo.command_line.recording_files import Window, read
+from analog_card.files import write_files
+from pneuservo.command_line.recording_files import Window, read, require_unread
 from pneuservo.errors import InputError
+from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs.rig_file import files_beside, rig_document
 
 METHODS = ("output-error", "least-squares", "evolution")
 _EPILOG = """\b
@@ -85,17 +87,16 @@ def command(
     Writes identification.json, rig.toml (the rig with the values found, which other commands
     accept as --rig) and fit.svg. Exit status 3 when a fit failed.
     """
-    from pneuservo.rigs import load_rig
-
     with progress() as step:
         step("reading the recordings")
         used = [read(path, rig, window) for path in recordings]
+        require_unread([out / "rig.toml", out / "identification.json"], used, rig)
         step("identifying")
-        kind = load_rig(rig or used[0].rig).kind
-        found, each = _identified(kind, method, used, rig, options)
+        known = load_rig(used[0].rig)
+        found, each = _identified(known.kind, method, used, rig, options)
         step("writing")
-        answer = _document(found, each, kind)
-        _write(found, answer, out)
+        answer = _document(found, each, known.kind)
+        _write(found, answer, known, out)
     if as_json:
         click.echo(json.dumps(answer, indent=2))
     else:
@@ -202,7 +203,7 @@ def _document(found: Any, each: dict[tuple[str, str], Any], kind: str) -> dict[s
     }
 
 
-def _write(found: Any, answer: dict[str, Any], out: Path) -> None:
+def _write(found: Any, answer: dict[str, Any], rig: Rig, out: Path) -> None:
     from pneuservo.identification.pictures import draw_autocorrelation, draw_fit
     from pneuservo.report.svg import draw
 
@@ -213,28 +214,30 @@ def _write(found: Any, answer: dict[str, Any], out: Path) -> None:
 
     count = len(found.residual) + 1
     picture = draw(paint, size=(9.0, 2.6 * count), shape=(count, 1))
-    write_whole(out / "identification.json", json.dumps(answer, indent=2) + "\n")
-    write_whole(out / "rig.toml", tomli_w.dumps(_rig(answer)))
-    write_whole(out / "fit.svg", picture)
+    files = {
+        "identification.json": json.dumps(answer, indent=2) + "\n",
+        **files_beside(rig),
+        "rig.toml": tomli_w.dumps(_rig(found, rig)),
+        "fit.svg": picture,
+    }
+    write_files(out, files)
 
 
-def _rig(answer: dict[str, Any]) -> dict[str, Any]:
-    from pneuservo.rigs import load_rig
-
-    parameters: dict[str, Any] = {}
-    effects: dict[str, Any] = {}
-    source = f"pneuservo identify, {answer['method']}"
-    known = load_rig(answer["rig"]).parameters
-    for name, entry in answer["values"].items():
-        if ":" in name:
-            effect, _, parameter = name.partition(":")
-            effects.setdefault(effect, {})[parameter] = entry["value"]
-            continue
-        # The rig of a seal tester has no viscous friction of its own.
-        if name in known:
-            parameters[name] = {"value": entry["value"], "unit": entry["unit"], "source": source}
-    document: dict[str, Any] = {"rig": {"kind": answer["rig"]}, "parameters": parameters}
-    return {**document, "effects": effects} if effects else document
+def _rig(found: Any, rig: Rig) -> dict[str, Any]:
+    """Return the rig file of a rig with the values found."""
+    source = f"pneuservo identify, {found.method}"
+    # The rig of a seal tester has no viscous friction of its own.
+    own = {name: entry.value for name, entry in found.values.items() if name in rig.parameters}
+    effects = {name: entry.value for name, entry in found.values.items() if ":" in name}
+    document = rig_document(rig.with_values(own | effects))
+    for name, value in own.items():
+        document["parameters"][name] = {
+            **document["parameters"].get(name, {}),
+            "value": value,
+            "unit": rig.parameters[name].unit,
+            "source": source,
+        }
+    return document
 
 
 def _print(answer: dict[str, Any], out: Path) -> None:

@@ -1,11 +1,14 @@
 """Recordings named on a command line: what was worked around is said, and a window is cut out."""
 
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
 
 from analog_card.console import warn
 from analog_card.errors import InputError as QuantityError
+from analog_card.files import require_apart
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
@@ -73,3 +76,26 @@ def read(path: str, rig: str | None, window: tuple[float, float] | None = None) 
             f"least {FEWEST_SAMPLES} are needed; the recording runs from {first:g} to {last:g} s"
         )
     return cut
+
+
+def require_unread(
+    outputs: Iterable[Path], recordings: Sequence[Recording], *files: str | Path | None
+) -> None:
+    """Refuse to write over recordings, what they refer to, or other files that were given.
+
+    Parameters
+    ----------
+    outputs : iterable of Path
+        Files that are going to be written.
+    recordings : sequence of Recording
+        What was read.
+    *files : str, Path or None
+        Other options that may name a file.
+
+    Raises
+    ------
+    InputError
+        When a file is among both.
+    """
+    others = [name for name in files if name is not None]
+    require_apart(outputs, [*(file for entry in recordings for file in entry.files), *others])

@@ -24,6 +24,7 @@ from pneuservo.command_line.recording_files import read
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording, write_recording
+from pneuservo.recordings.writer import require_recording_file
 from pneuservo.report.picture_files import require_picture, write_picture
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import Simulation, replay, step_demand
@@ -134,6 +135,8 @@ def command(
         given["without"] = tuple(name.replace("-", "_") for name in without)
     require_picture("--plot", plot)
     require_picture("--phase-plane", phase_plane)
+    if out is not None:
+        require_recording_file(out)
     source: Recording | None = None
     loop: LoopController | None = None
     if replayed is not None and controller is not None:

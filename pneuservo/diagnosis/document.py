@@ -1,6 +1,7 @@
 """The answer in the form of the output contract: diagnosis.json and model.toml."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from pneuservo.diagnosis.unexplained import Unexplained
 from pneuservo.diagnosis.units import with_units_as_written
 from pneuservo.diagnosis.visibility import lookalikes, not_visible
 from pneuservo.effects import CATALOGUE, effect_by_id
-from pneuservo.rigs import load_rig
+from pneuservo.rigs.rig_file import rig_document
 
 SCHEMA = 1
 WORTH_CORRECTING = 0.1
@@ -121,27 +122,18 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         the rig has that the built-in one of its kind has not.
     """
     chosen, rig = diagnosis.repaired, diagnosis.rig
-    head = {"kind": rig.kind, "title": f"{rig.title.removesuffix(_REPAIRED)}{_REPAIRED}"}
-    if rig.valve:
-        head["valve"] = rig.valve
-    parameters: dict[str, dict[str, Any]] = {}
-    built_in = load_rig(rig.kind)
-    for key, parameter in rig.parameters.items():
+    model = rig_document(replace(rig, title=f"{rig.title.removesuffix(_REPAIRED)}{_REPAIRED}"))
+    for key in rig.parameters:
         if key in chosen.shared:
-            parameters[key] = {
+            model["parameters"][key] = model["parameters"].get(key, {}) | {
                 "value": chosen.shared[key],
-                "unit": parameter.unit,
+                "unit": rig.parameters[key].unit,
                 "low": chosen.intervals[key][0],
                 "high": chosen.intervals[key][1],
                 "nominal": _nominal(diagnosis, key),
                 "source": "fitted by the diagnosis",
             }
-        elif parameter.value != built_in[key]:
-            parameters[key] = {"value": parameter.value, "unit": parameter.unit}
-    effects: dict[str, Any] = {
-        effect: {name: {"value": value} for name, value in values.items()}
-        for effect, values in rig.effects.items()
-    }
+    effects = model.setdefault("effects", {})
     for member in _effects(diagnosis.search):
         effects[member] = {
             name: {key: entry[key] for key in ("value", "unit", "low", "high")}
@@ -149,14 +141,7 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
         }
     if diagnosis.unexplained is not None:
         effects[diagnosis.unexplained.table.effect] = diagnosis.unexplained.parameters
-    transducers = {name: entry.as_table() for name, entry in rig.transducers.items()}
-    model: dict[str, Any] = {
-        "rig": head,
-        "parameters": parameters,
-        "effects": effects,
-        **({"transducers": transducers} if transducers else {}),
-        "diagnosis": {"verdict": diagnosis.verdict} | _session(diagnosis.search),
-    }
+    model["diagnosis"] = {"verdict": diagnosis.verdict} | _session(diagnosis.search)
     return dict(with_units_as_written(model))
 
 

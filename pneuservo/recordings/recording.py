@@ -76,6 +76,13 @@ class Recording:
         return self.channels[channel]
 
     @property
+    def files(self) -> list[Path]:
+        """Return the files that it was read from and those that it refers to."""
+        own = [] if self.source is None else [self.source, self.source.with_suffix(".toml")]
+        referred = (self.rig, str(self.card.get("design", "")))
+        return [*own, *(Path(name) for name in referred if name.endswith(".toml"))]
+
+    @property
     def sampling_interval(self) -> float:
         """Return the median time step [s]."""
         return float(np.median(np.diff(self.time)))

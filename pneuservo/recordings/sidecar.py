@@ -133,6 +133,8 @@ def read_sidecar(data_path: Path) -> Sidecar:
     path = data_path.with_suffix(".toml")
     if not path.exists():
         return Sidecar(path)
+    if not path.is_file():
+        raise InputError(f"{path}: the sidecar is not a file; move it away")
     data = _parse(path)
     for key in data:
         require_known(key, _TABLES, str(path))

@@ -15,6 +15,7 @@ from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
 from pneuservo.recordings.conditions import CARD_UNITS, CONTROLLER_KINDS, CONTROLLER_UNITS
 from pneuservo.recordings.recording import Recording
+from pneuservo.recordings.sidecar import read_sidecar
 from pneuservo.rigs import BUILT_IN_RIGS, load_rig
 
 _Columns = Mapping[str, NDArray[np.float64]]
@@ -40,7 +41,7 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     ------
     InputError
         When the suffix is another, a channel or condition is not known, or the files that the
-        recording was read from would be written over.
+        recording was read from, or another file that is no sidecar, would be written over.
 
     Notes
     -----
@@ -60,18 +61,8 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     >>> bool(np.all(read_recording(written)["displacement"] == 0.1 * time))
     True
     """
-    path = Path(path)
-    encoders: dict[str, Callable[[_Columns], bytes]] = {
-        ".csv": _csv,
-        ".parquet": _parquet,
-        ".h5": _hdf5,
-        ".hdf5": _hdf5,
-    }
-    encode = encoders.get(path.suffix.lower())
-    if encode is None:
-        raise InputError(
-            f"{path}: a recording is written to a file ending in one of: {', '.join(encoders)}"
-        )
+    path = require_recording_file(path)
+    encode = _ENCODERS[path.suffix.lower()]
     for name in recording.channels:
         require_known(name, CHANNELS, f"{path}: channel")
     sidecar_path = path.with_suffix(".toml")
@@ -80,6 +71,35 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     data = encode({"time": recording.time, **recording.channels})
     write_whole(sidecar_path, sidecar)
     return write_whole(path, data)
+
+
+def require_recording_file(path: str | Path) -> Path:
+    """Return where a recording is going to be written; refuse what cannot become one.
+
+    Parameters
+    ----------
+    path : str or Path
+        As `write_recording` takes it.
+
+    Raises
+    ------
+    InputError
+        When the suffix is another, or the sidecar would take the place of another kind of file,
+        such as a rig or a card design of the same name.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in _ENCODERS:
+        raise InputError(
+            f"{path}: a recording is written to a file ending in one of: {', '.join(_ENCODERS)}"
+        )
+    try:
+        read_sidecar(path)
+    except InputError as problem:
+        raise InputError(
+            f"{path}: its sidecar would take the place of another file; choose another name "
+            f"({problem})"
+        ) from problem
+    return path
 
 
 def _protect_source(recording: Recording, path: Path, sidecar_path: Path) -> None:
@@ -119,6 +139,14 @@ def _hdf5(columns: _Columns) -> bytes:
             dataset = file.create_dataset(name, data=values)
             dataset.attrs["unit"] = CHANNELS[name].unit if name in CHANNELS else "s"
     return stream.getvalue()
+
+
+_ENCODERS: dict[str, Callable[[_Columns], bytes]] = {
+    ".csv": _csv,
+    ".parquet": _parquet,
+    ".h5": _hdf5,
+    ".hdf5": _hdf5,
+}
 
 
 def _sidecar(recording: Recording, path: Path) -> str:

@@ -6,6 +6,10 @@ from typing import Any
 import tomli_w
 
 from pneuservo.diagnosis import Diagnosis, repaired_model
+from pneuservo.rigs.rig_file import files_beside
+
+NAMES = ("diagnosis.json", "model.toml")
+"""The files of a diagnosis that programs read."""
 
 
 def answer_files(found: Diagnosis, answer: dict[str, Any]) -> dict[str, str]:
@@ -21,9 +25,7 @@ def answer_files(found: Diagnosis, answer: dict[str, Any]) -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        ``diagnosis.json``, and ``model.toml``, the repaired rig.
+        ``diagnosis.json``, and ``model.toml``, the repaired rig, with its valve file if it has one.
     """
-    return {
-        "diagnosis.json": json.dumps(answer, indent=2) + "\n",
-        "model.toml": tomli_w.dumps(repaired_model(found)),
-    }
+    texts = (json.dumps(answer, indent=2) + "\n", tomli_w.dumps(repaired_model(found)))
+    return {**dict(zip(NAMES, texts, strict=True)), **files_beside(found.rig)}

@@ -294,7 +294,8 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
     for key in entry:
         require_known(key, fields, what)
     base = base or Parameter(float("nan"), unit)
-    if entry.get("unit", unit) != unit:
+    # Answers of a diagnosis write m^2.
+    if str(entry.get("unit", unit)).replace("^", "**") != unit:
         raise InputError(f"{what}: the unit is {entry['unit']!r}, it has to be {unit!r}")
     try:
         value = to_si(entry["value"], unit, what) if "value" in entry else base.value

@@ -1,10 +1,15 @@
 """Rigs as data: built-in ones, files that change them, and files that are refused."""
 
-import pytest
+from dataclasses import replace
 
+import pytest
+import tomli_w
+
+from analog_card.files import write_files
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
-from pneuservo.rigs import BUILT_IN_RIGS, load_rig, load_valve_tables
+from pneuservo.rigs import BUILT_IN_RIGS, VARIANTS, load_rig, load_valve_tables
+from pneuservo.rigs.rig_file import files_beside, rig_document
 from pneuservo.rigs.valve_tables import FLOW_PATHS
 
 
@@ -125,3 +130,39 @@ def test_a_condition_that_repeats_the_nominal_value_keeps_what_was_fitted(tmp_pa
     rig = load_rig(path)
     assert rig.with_conditions({"piston_diameter": 0.025})["piston.diameter"] == 0.02508
     assert rig.with_conditions({"piston_diameter": 0.032})["piston.diameter"] == 0.032
+
+
+@pytest.mark.parametrize("name", [*BUILT_IN_RIGS, *VARIANTS])
+def test_a_rig_is_the_same_when_written_and_read(name, tmp_path):
+    rig = load_rig(name)
+    assert replace(read_again(rig, tmp_path), name=name) == rig
+
+
+def test_all_that_a_rig_file_can_say_is_written_and_read(tmp_path):
+    path = write(
+        tmp_path,
+        """
+        [rig]
+        kind = "single-axis"
+        title = "mine"
+        valve = "valve.toml"
+        [parameters]
+        "load.mass" = {value = "40 kg", tolerance = "10 %", source = "weighed"}
+        "piston.area_a" = {value = 1.256e-3, unit = "m^2"}
+        "piston.coulomb_friction" = {value = 3.0, free = true}
+        [effects]
+        "valve.overlap" = {lap = 0.02}
+        [transducers.pressure]
+        noise = "500 Pa"
+        """,
+    )
+    (path.parent / "valve.toml").write_text("beside it")
+    rig = load_rig(path)
+    again = read_again(rig, tmp_path / "elsewhere")
+    assert (tmp_path / "elsewhere" / "valve.toml").read_text() == "beside it"
+    assert replace(again, name=rig.name, valve=rig.valve) == rig
+
+
+def read_again(rig, folder):
+    write_files(folder, {"again.toml": tomli_w.dumps(rig_document(rig)), **files_beside(rig)})
+    return load_rig(folder / "again.toml")

@@ -294,6 +294,36 @@ def test_a_stopped_trial_asks_only_for_what_is_missing(small, monkeypatch):
     json.dumps(summary(again, judged), allow_nan=False)
 
 
+@pytest.mark.parametrize(
+    ("said", "status"), [({**CONSISTENT, "partial": True}, 0), (None, -2), (None, -15)]
+)
+def test_an_answer_that_was_interrupted_is_asked_for_again(small, monkeypatch, said, status):
+    monkeypatch.setattr(trial_module, "ask", lambda *words: Answer(said, 1.0, status, ""))
+    make_cases(small, 1)
+    diagnose_cases(small, 1)
+    assert judge_cases(small) == []
+    # A crash and a refusal are wrong answers, and stay.
+    monkeypatch.setattr(trial_module, "ask", lambda *words: Answer(None, 1.0, -11, ""))
+    diagnose_cases(small, 1)
+    assert len(judge_cases(small)) == 3
+
+
+@pytest.mark.parametrize("text", ["", "[1", "{}", "[]"])
+def test_damaged_commitments_are_refused(small, text):
+    make_cases(small, 1)
+    (small.folder / "commitments.json").write_text(text)
+    with pytest.raises(InputError, match=r"commitments\.json"):
+        judge_cases(small)
+
+
+def test_an_unknown_part_is_refused_before_anything_runs(tmp_path):
+    words = ["challenge", "--quick", "--without", "stickmask", "--out", str(tmp_path / "new")]
+    outcome = CliRunner().invoke(main, words)
+    assert outcome.exit_code == 2
+    assert "stick-mask" in outcome.output
+    assert not (tmp_path / "new").exists()
+
+
 def test_a_part_left_out_is_kept_apart(small, monkeypatch):
     said = {"": CONSISTENT, "mask": answer()}
     monkeypatch.setattr(

@@ -16,8 +16,9 @@ from pneuservo.diagnosis import diagnose, document, repaired_model
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
+from pneuservo.report.answer_files import answer_files
 from pneuservo.rigs import load_rig
-from pneuservo.simulation import simulate
+from pneuservo.simulation import replay, simulate
 
 
 @pytest.mark.parametrize(("controller", "seed"), [(Proportional(), 1), (SlidingMode(), 2)])
@@ -106,7 +107,15 @@ def test_a_planted_effect_is_named_and_put_in_its_block(effect, blocks, duration
         for when in ("before", "after")
     )
     assert after < before
-    assert first["effect"] in repaired_model(found)["effects"]
+    # The repaired rig is one that every command takes.
+    file = tmp_path / "model.toml"
+    file.write_text(answer_files(found, answer)["model.toml"])
+    repaired = load_rig(file)
+    assert first["effect"] in repaired.effects
+    for key, value in found.repaired.shared.items():
+        if key in repaired.parameters:
+            assert repaired[key] == value, key
+    assert replay(used[0], repaired)["displacement"].shape == used[0].time.shape
 
 
 KNOTS = np.linspace(0.0, 4.0, 9)

@@ -51,6 +51,20 @@ def test_the_rig_it_writes_holds_the_values(recording, tmp_path):
         assert rig[name] == pytest.approx(entry["value"])
 
 
+def test_the_rig_it_writes_is_otherwise_the_one_it_was_given(recording, tmp_path):
+    given = tmp_path / "given.toml"
+    given.write_text(
+        '[rig]\nkind = "single-axis"\ntitle = "mine"\n[parameters]\n"supply.pressure" = "6.6 bar"\n'
+        '[transducers.pressure]\nnoise = "500 Pa"\n'
+    )
+    options = ("--rig", given, "--method", "least-squares")
+    answer = document(recording, tmp_path / "found", *options)
+    rig = load_rig(tmp_path / "found" / "rig.toml")
+    assert rig["load.mass"] == pytest.approx(answer["values"]["load.mass"]["value"])
+    assert (rig.title, rig["supply.pressure"]) == ("mine", 6.6e5)
+    assert rig.transducers["pressure"].noise == 500.0
+
+
 def test_parameters_that_act_alike_are_named(recording, tmp_path):
     answer = document(
         recording, tmp_path,

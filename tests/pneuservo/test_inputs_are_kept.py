@@ -1,0 +1,81 @@
+"""Nothing that is read is ever written over, whatever --out says."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from analog_card.command_line import main as card
+from analog_card.files import write_whole
+from pneuservo.command_line import main
+from pneuservo.controllers import Proportional
+from pneuservo.recordings import write_recording
+from pneuservo.simulation import simulate, step_demand
+
+RIG = '[rig]\nkind = "single-axis"\n'
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with a rig, a card and a short recording of each name that commands write."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.toml").write_text(RIG)
+    words = ["tune", "--settling-time", "0.07", "--out", "card.toml"]
+    assert CliRunner().invoke(card, words).exit_code == 0
+    time, demand = step_demand([0.015, 0.016], 0.02, 1000.0)
+    run = simulate(time=time, demand=demand, controller=Proportional())
+    for name in ("model", "loop"):
+        write_recording(run.to_recording(name), f"{name}.csv")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("command", "words", "kept"),
+    [
+        (main, "diagnose model.csv --out .", "model.toml"),
+        (main, "diagnose loop.csv --rig rig.toml --validate model.csv --out .", "model.toml"),
+        (main, "identify loop.csv --rig rig.toml --out .", "rig.toml"),
+        (main, "bench-tune --design card.toml --out card.toml", "card.toml"),
+        (main, "bench-tune --recording loop.csv --out ./loop.toml", "loop.toml"),
+        (main, "demo --recording model.csv --out .", "model.toml"),
+        (
+            main,
+            "simulate --rig rig.toml --controller proportional --demand 15mm --out rig.csv",
+            "rig.toml",
+        ),
+        (main, "simulate --controller proportional --demand 15mm --out card.csv", "card.toml"),
+        (card, "tune --settling-time 0.1 --design card.toml --out card.toml", "card.toml"),
+    ],
+)
+def test_what_is_read_is_not_written_over(folder, command, words, kept):
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    outcome = CliRunner().invoke(command, words.split())
+    assert outcome.exit_code == 2, outcome.output
+    assert kept in outcome.output
+    assert "choose another" in outcome.output
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_a_link_is_followed_and_a_pipe_stays_one(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_whole(tmp_path / "link", "text")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "target").read_text() == "text"
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, "text")
+    assert os.read(reader, 10) == b"text"
+    os.close(reader)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
+def test_a_sidecar_that_is_no_file_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("time,displacement\n" + "".join(f"{i},0\n" for i in range(20)))
+    os.mkfifo(tmp_path / "a.toml")
+    outcome = CliRunner().invoke(main, ["diagnose", str(tmp_path / "a.csv")])
+    assert outcome.exit_code == 2
+    assert "not a file" in outcome.output
+    assert not Path("out").exists()
