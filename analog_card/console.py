@@ -24,6 +24,9 @@ class CommandGroup(click.Group):
             return super().invoke(ctx)
         except self.own_errors as problem:
             message, status = str(problem), getattr(problem, "exit_code", 2)
+        except BrokenPipeError:
+            # Whoever reads has seen enough, as head does; click ends quietly.
+            raise
         except OSError as problem:
             where = f"{problem.filename}: " if problem.filename else ""
             message, status = f"{where}{problem.strerror or problem}", 2
@@ -121,7 +124,7 @@ def progress(total: int | None = None) -> Iterator[Any]:
     )
 
     console = Console(stderr=True)
-    columns: list[Any] = [SpinnerColumn(), TextColumn("{task.description}")]
+    columns: list[Any] = [SpinnerColumn(), TextColumn("{task.description}", markup=False)]
     if total is not None:
         columns += [BarColumn(bar_width=20), MofNCompleteColumn()]
     with Progress(

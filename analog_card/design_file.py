@@ -100,7 +100,8 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: {problem.strerror}; a design file is needed") from problem
     except UnicodeDecodeError as problem:
         raise InputError(f"{path}: not UTF-8 text; save it as UTF-8") from problem
-    except tomllib.TOMLDecodeError as problem:
+    # Very deep nesting and very long integers make the parser give up in its own ways.
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as problem:
         raise InputError(f"{path}: not TOML: {problem}") from problem
 
 

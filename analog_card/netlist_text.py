@@ -1,6 +1,7 @@
 """Reading a netlist ahead of the simulator: includes in place, no harm, parameters set."""
 
 import difflib
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -171,7 +172,7 @@ def spice_number(text: str) -> float:
     Raises
     ------
     ValueError
-        When it is not a number.
+        When it is not a number, or beyond what floating point holds.
 
     Examples
     --------
@@ -183,7 +184,10 @@ def spice_number(text: str) -> float:
         raise ValueError(f"{text!r} is not a number")
     # Composed as text, so that 100n is 1e-7 to the last bit.
     mantissa, _, exponent = match[1].lower().partition("e")
-    return float(f"{mantissa}e{int(exponent or 0) + _SUFFIXES[(match[2] or '').lower()]}")
+    number = float(f"{mantissa}e{int(exponent or 0) + _SUFFIXES[(match[2] or '').lower()]}")
+    if not math.isfinite(number):
+        raise ValueError(f"{text!r} is too large")
+    return number
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str:
@@ -255,13 +259,17 @@ def _read_text(path: Path) -> str:
     try:
         if path.stat().st_size > _LARGEST_FILE:
             raise InputError(f"{path}: larger than {_LARGEST_FILE} bytes, not read as a netlist")
-        return path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as problem:
         raise InputError(
             f"{path}: not UTF-8 text (byte {problem.start}); save it as UTF-8"
         ) from None
     except OSError as problem:
         raise InputError(f"{path}: {problem.strerror}; a netlist file is needed") from problem
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise InputError(f"{path}, line {line}: holds a zero byte; this is not a text file")
+    return text
 
 
 def _require_title_and_end(path: Path, lines: list[Line]) -> None:

@@ -177,7 +177,10 @@ def _convert(value: str | float, unit: str, what: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise InputError(f"{what}: {value!r} is not a quantity{_example(unit)}")
     if isinstance(value, int | float):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # a whole number of any length
+            return math.inf
     # Only texts need it; it takes long to import.
     import pint
 

@@ -32,7 +32,11 @@ class Sheet:
 
     def draw(self, ax: Any) -> None:
         """Put the drawing on matplotlib axes."""
-        self._drawing.draw(show=False, canvas=ax)
+        import matplotlib
+
+        # Titles and names of nodes may hold dollar signs.
+        with matplotlib.rc_context({"text.parse_math": False}):
+            self._drawing.draw(show=False, canvas=ax)
         ax.set_aspect("equal")
         ax.axis("off")
 

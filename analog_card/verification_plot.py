@@ -138,7 +138,8 @@ def picture(verification: "Verification") -> bytes:
     for case, (left, right) in zip(cases, axes[1:], strict=True):
         plot_transient(case, left)
         plot_transient_deviation(case, right)
-    figure.suptitle(f"Netlist against behavioural model: {verification.design.title}")
+    title = verification.design.title
+    figure.suptitle(f"Netlist against behavioural model: {title}", parse_math=False)
     stream = BytesIO()
     figure.savefig(stream, format="png", dpi=100)
     return stream.getvalue()

@@ -48,7 +48,7 @@ def _print(figures: tuple[Figure, ...]) -> None:
             as_text(figure.measured, figure.unit, 4),
             f"{figure.deviation:.1f} %",
         )
-    console = Console()
+    console = Console(markup=False)
     console.print(rows)
     for number, figure in enumerate(reasons, 1):
         console.print(rf"\[{number}] {figure.name}: {figure.why}")

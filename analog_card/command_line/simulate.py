@@ -178,7 +178,7 @@ def _print(result: Waveforms, nodes: tuple[str, ...]) -> None:
     for name, (unit, values) in columns(result, nodes).items():
         picked = [values[0], values.min(), values.max(), values[-1]]
         rows.add_row(name, unit, *(f"{value:.5g}" for value in picked[: len(heads)]))
-    Console().print(rows)
+    Console(markup=False).print(rows)
 
 
 def _write_plot(result: Waveforms, plot: str, nodes: tuple[str, ...]) -> Path:
@@ -191,7 +191,7 @@ def _write_plot(result: Waveforms, plot: str, nodes: tuple[str, ...]) -> Path:
     figure = Figure(figsize=(9, 6), layout="constrained")
     axes = figure.subplots(2 if spectrum else 1, 1, sharex=True, squeeze=False).ravel().tolist()
     plot_waveforms(result, axes, nodes)
-    figure.suptitle(result.netlist.name)
+    figure.suptitle(result.netlist.name, parse_math=False)
     stream = BytesIO()
     figure.savefig(stream, format=Path(plot).suffix[1:], dpi=120)
     return write_whole(plot, stream.getvalue())

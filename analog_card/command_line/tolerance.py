@@ -155,9 +155,8 @@ def _finite(value: Any) -> Any:
 
 def _print(study: Study) -> None:
     from rich.console import Console
-    from rich.markup import escape
 
-    console = Console()
+    console = Console(markup=False)
     rows = table(
         f"{len(study.trials)} cards, {len(study.netlist_trials)} of them as netlists too",
         "figure",
@@ -177,9 +176,7 @@ def _print(study: Study) -> None:
     for item in study.spreads:
         rows.add_row(
             item.figure.replace("_", " "),
-            "\n".join(
-                f"{share:4.0%}  {escape(_readable(name))}" for name, share in item.important.items()
-            ),
+            "\n".join(f"{share:4.0%}  {_readable(name)}" for name, share in item.important.items()),
             "" if item.difference is None else _text(item.difference, item.unit),
         )
     console.print(rows)

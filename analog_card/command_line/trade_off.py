@@ -94,7 +94,7 @@ def _print(found: TradeOff) -> None:
             f"{point.switching_frequency:.0f} Hz",
             f"{point.circuit_switching_frequency:.0f} Hz",
         )
-    Console().print(rows)
+    Console(markup=False).print(rows)
     click.echo(
         f"A 12-bit converter sees chattering in the displacement below "
         f"{found.detectable_frequency:.0f} Hz."
@@ -106,7 +106,8 @@ def _picture(found: TradeOff, title: str, form: str) -> bytes:
 
     figure = Figure(figsize=(7.5, 8), layout="constrained")
     found.plot(figure.subplots(2, 1, sharex=True))
-    figure.suptitle(f"What the break frequency costs and gives\n{title}", fontsize="medium")
+    heading = f"What the break frequency costs and gives\n{title}"
+    figure.suptitle(heading, fontsize="medium", parse_math=False)
     stream = BytesIO()
     figure.savefig(stream, format=form, dpi=110)
     return stream.getvalue()

@@ -142,7 +142,7 @@ def _print_tuning(tuning: Tuning, turns: float) -> None:
             f"{does.per_turn:+.3g} {does.unit}",
             f"{does.relative:.2f}",
         )
-    Console().print(rows)
+    Console(markup=False).print(rows)
     click.echo(f"settling time {tuning.settling_time:.4g} s, damping {tuning.damping:.4g}")
 
 
@@ -159,4 +159,4 @@ def _print_limits(tuning: Tuning) -> None:
             f"{limit.wanted:.4g}",
             "ok" if limit.holds else "BEYOND",
         )
-    Console().print(rows)
+    Console(markup=False).print(rows)

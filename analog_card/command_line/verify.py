@@ -78,7 +78,7 @@ def _print_verification(result: Verification) -> None:
             f"{item.limit:g}",
             verdict,
         )
-    Console().print(rows)
+    Console(markup=False).print(rows)
     if any(item.play for item in result.deviations):
         click.echo(
             "Edges: behind the boundary-layer amplifier both sides switch over 30 V in some 3 us. "

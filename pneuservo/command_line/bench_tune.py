@@ -130,7 +130,7 @@ def _print(report: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     table = Table("", "travel", "resistance")
     for name, setting in report["settings"].items():
         table.add_row(name, f"{100 * setting['fraction']:.1f} %", f"{setting['ohm']:.0f} ohm")
@@ -147,4 +147,4 @@ def _print(report: dict[str, Any]) -> None:
         soft_wrap=True,
     )
     if report["out"]:
-        console.print(f"written: {report['out']}", soft_wrap=True, markup=False)
+        console.print(f"written: {report['out']}", soft_wrap=True)

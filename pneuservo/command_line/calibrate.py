@@ -205,7 +205,7 @@ def _print(answer: dict[str, Any], out: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     table = Table("recording", "path", "pressure ratio: value ± half of the 95 % interval", "rms")
     for row in answer["rows"]:
         scale = 1e6 if row["unit"] else 1.0
@@ -230,4 +230,4 @@ def _print(answer: dict[str, Any], out: Path) -> None:
         console.print(areas)
     for sentence in answer["cannot_tell_apart"]:
         console.print(sentence, soft_wrap=True)
-    console.print(f"written: {out}", soft_wrap=True, markup=False)
+    console.print(f"written: {out}", soft_wrap=True)

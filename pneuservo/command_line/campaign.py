@@ -124,10 +124,10 @@ def _print(outcome: "Outcome", report: Mapping[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
 
     def say(text: str) -> None:
-        console.print(text, soft_wrap=True, markup=False)
+        console.print(text, soft_wrap=True)
 
     say(f"{report['title']}: {report['samples']} samples of {report['duration']:.4g} s")
     if report["failed"]:

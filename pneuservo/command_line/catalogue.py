@@ -145,7 +145,7 @@ def _print_all(entries: Any, rig: str) -> None:
     table = Table("effect", "block", "what it is", title=f"{len(entries)} effects of a {rig}")
     for entry in entries:
         table.add_row(entry.id, entry.block, entry.statement.partition(";")[0])
-    Console().print(table)
+    Console(markup=False).print(table)
 
 
 def _print_one(entry: Any) -> None:
@@ -157,5 +157,5 @@ def _print_one(entry: Any) -> None:
     for p in entry.parameters:
         figures = (f"{value:g}" for value in (p.neutral, p.low, p.high))
         table.add_row(p.name, p.unit or "-", *figures, p.meaning)
-    Console().print(table)
+    Console(markup=False).print(table)
     click.echo(f"source: {entry.source}\nto see it: {entry.experiment}")

@@ -142,7 +142,7 @@ def _print(found: Any) -> None:
     table = Table("", "")
     for name, value in rows:
         table.add_row(name, value)
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     console.print(table)
     for warning in found.warnings:
-        console.print(f"Warning: {warning}", soft_wrap=True, markup=False)
+        console.print(f"Warning: {warning}", soft_wrap=True)

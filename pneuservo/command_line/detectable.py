@@ -60,6 +60,6 @@ def _print(found: DetectableFrequencies) -> None:
     ):
         for direction, values in rows.items():
             table.add_row(name, direction, *[f"{value:.0f} Hz" for value in values])
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     console.print(table)
     console.print(f"amplitude just seen: {1e6 * found.threshold:.3f} um", soft_wrap=True)

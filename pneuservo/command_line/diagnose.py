@@ -16,16 +16,22 @@ class _ManyValidated(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         spread: list[str] = []
-        collecting = False
+        collecting, nameless = False, False
         for word in args:
-            if word == "--validate":
-                collecting = True
+            option, _, first = word.partition("=")
+            if word.startswith("-") and nameless:
+                break
+            if option == "--validate":
+                collecting, nameless = True, not first
+                spread += ["--validate", first] if first else []
                 continue
-            if word.startswith("-"):
-                collecting = False
+            collecting = collecting and not word.startswith("-")
+            nameless = False
             spread += ["--validate", word] if collecting else [word]
-        if args and args[-1] == "--validate":
-            spread.append("--validate")
+        if nameless:
+            raise click.BadOptionUsage(
+                "--validate", "--validate names no recording; name one, or leave it out", ctx
+            )
         return super().parse_args(ctx, spread)
 
 

@@ -207,7 +207,7 @@ def _print(report: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     table = Table("axis", "error rms", "largest force at the rod", "moved by others")
     for name, axis in report["axes"].items():
         ripple = axis["ripple"]
@@ -226,4 +226,4 @@ def _print(report: dict[str, Any]) -> None:
     )
     for key in ("out", "plot", "animation"):
         if report[key]:
-            console.print(f"written: {report[key]}", soft_wrap=True, markup=False)
+            console.print(f"written: {report[key]}", soft_wrap=True)

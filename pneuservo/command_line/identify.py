@@ -244,7 +244,7 @@ def _print(answer: dict[str, Any], out: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     table = Table("parameter", "value", "95 % interval", "unit")
     for name, entry in answer["values"].items():
         interval = "none" if entry["low"] is None else f"{entry['low']:.5g} to {entry['high']:.5g}"
@@ -260,4 +260,4 @@ def _print(answer: dict[str, Any], out: Path) -> None:
     for name, residual in answer["residuals"].items():
         console.print(f"residual of {name}: {residual['statement']}", soft_wrap=True)
     for sentence in (*answer["cannot_tell_apart"], *answer["notes"], f"written: {out}"):
-        console.print(sentence, soft_wrap=True, markup=False)
+        console.print(sentence, soft_wrap=True)

@@ -197,7 +197,7 @@ def _print(report: dict[str, Any]) -> None:
             shown,
             "yes" if values["stable"] else "no",
         )
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     console.print(table)
     for name, values in report["methods"].items():
         if values["note"]:
@@ -208,4 +208,4 @@ def _print(report: dict[str, Any]) -> None:
         soft_wrap=True,
     )
     if report["plot"]:
-        console.print(f"written: {report['plot']}", soft_wrap=True, markup=False)
+        console.print(f"written: {report['plot']}", soft_wrap=True)

@@ -277,7 +277,7 @@ def _print(report: Mapping[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     console.print(f"{report['samples']} samples over {report['duration']:.4g} s", soft_wrap=True)
     if report.get("steps"):
         table = Table("step at", "to", "rise", "settling", "overshoot", "error at the end")
@@ -302,7 +302,7 @@ def _print(report: Mapping[str, Any]) -> None:
         console.print(table)
     for key in ("out", "plot", "phase_plane"):
         if report[key]:
-            console.print(f"written: {report[key]}", soft_wrap=True, markup=False)
+            console.print(f"written: {report[key]}", soft_wrap=True)
 
 
 def _milliseconds(seconds: float) -> str:

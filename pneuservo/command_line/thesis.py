@@ -67,7 +67,7 @@ def command(
     used = baseline_rig(rig) if rig is not None else None
     target = Path(out) / PAGE
     folder = _picture_folder(Path(out)) if page else None
-    given = tuple(int(name) if name.isdigit() else name.upper() for name in chapters)
+    given = tuple(int(name) if name.isdecimal() else name.upper() for name in chapters)
     numbers = given or CHAPTERS
     with progress(len(set(numbers))) as step:
         found = recompute(numbers, folder, used, jobs, step)
@@ -97,7 +97,7 @@ def _print(chapters: list[Any], written: str | None) -> None:
 
     from pneuservo.thesis.page import VERDICTS, counts, percent, shown
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
     off = Table(
         Column("not reproduced", overflow="fold"), "thesis", "printed", "reconciled", "verdict"
     )
@@ -123,4 +123,4 @@ def _print(chapters: list[Any], written: str | None) -> None:
         )
     console.print(table)
     if written:
-        console.print(f"written: {written}", soft_wrap=True, markup=False)
+        console.print(f"written: {written}", soft_wrap=True)

@@ -163,10 +163,10 @@ def _print(found: "RobustTuning", report: dict[str, Any]) -> None:
     from pneuservo.tuning.problem import OBJECTIVES
     from pneuservo.tuning.summary import shown_figure
 
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False)
 
     def say(text: str) -> None:
-        console.print(text, soft_wrap=True, markup=False)
+        console.print(text, soft_wrap=True)
 
     say(
         f"{report['title']}: {len(report['rigs'])} rigs, {report['tried']} settings tried, "

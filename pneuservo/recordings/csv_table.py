@@ -103,7 +103,11 @@ def _decode(path: Path) -> str:
 def _split(line: str, delimiter: str) -> list[str]:
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
-    row = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    try:
+        row = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    except csv.Error:
+        # A name longer than csv takes is none, and its quotes are as good as letters.
+        return [cell.strip() for cell in line.split(delimiter)]
     return [cell.strip() for cell in row]
 
 

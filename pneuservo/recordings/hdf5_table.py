@@ -8,7 +8,7 @@ from typing import Any
 
 from pneuservo.errors import InputError
 from pneuservo.recordings.sidecar import TableShape
-from pneuservo.recordings.table import MAX_SAMPLES, Table, matrix_columns, rename_matrix, take
+from pneuservo.recordings.table import Table, matrix_columns, rename_matrix, require_few, take
 
 _DEEPEST_GROUP = 16
 
@@ -50,7 +50,7 @@ def open_hdf5(
     """
     found: dict[str, _Column] = {}
     with _opened(path) as file:
-        _collect(file, "", found, path, refuse)
+        _collect(file, "", found, path, refuse, set())
     columns, short = rename_matrix(found, shape.names, path)
 
     def load(names: Sequence[str]) -> dict[str, Any]:
@@ -80,9 +80,15 @@ def _collect(
     found: dict[str, _Column],
     path: Path,
     refuse: Callable[[str, Any], None] | None,
+    visited: set[int],
 ) -> None:
     import h5py
 
+    # A group that hangs in several places is visited in one: ten can hang in each other.
+    address = h5py.h5o.get_info(group.id).addr
+    if address in visited:
+        return
+    visited.add(address)
     if prefix.count("/") > _DEEPEST_GROUP:
         raise InputError(f"{path}: groups are nested deeper than {_DEEPEST_GROUP}: {prefix!r}")
     for key in group:
@@ -99,7 +105,7 @@ def _collect(
         if refuse is not None:
             refuse(name, member)
         if isinstance(member, h5py.Group):
-            _collect(member, f"{name}/", found, path, refuse)
+            _collect(member, f"{name}/", found, path, refuse, visited)
         elif isinstance(member, h5py.Dataset):
             found.update(_columns(name, member, path))
 
@@ -111,10 +117,7 @@ def _columns(name: str, dataset: Any, path: Path) -> dict[str, _Column]:
         )
     if dataset.size is None or dataset.size < 2:
         return {}  # empty, or a single value beside the samples
-    if dataset.size > MAX_SAMPLES:
-        raise InputError(
-            f"{path}: {name!r} has {dataset.size} values, more than {MAX_SAMPLES}; cut it shorter"
-        )
+    require_few(path, repr(name), dataset.size)
     if dataset.dtype.names:
         return {
             f"{name}/{field}": _Column(name, field=field)

@@ -1,5 +1,6 @@
 """Tables in MATLAB files: v5 by scipy, v7.3 as the HDF5 file that it is. Objects are refused."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 from pneuservo.errors import InputError
 from pneuservo.recordings.hdf5_table import open_hdf5
 from pneuservo.recordings.sidecar import TableShape
-from pneuservo.recordings.table import MAX_SAMPLES, Table, matrix_columns, rename_matrix, take
+from pneuservo.recordings.table import Table, matrix_columns, rename_matrix, require_few, take
 
 _V73 = b"MATLAB 7.3"
 _DATA_CLASSES = (
@@ -80,8 +81,7 @@ def _open_v5(path: Path, shape: TableShape) -> Table:
         for name, dimensions, kind in listed:
             if kind not in _DATA_CLASSES:
                 raise _refusal(path, name, f"of class {kind!r}")
-            if np.prod(dimensions, dtype=float) > MAX_SAMPLES:
-                raise InputError(f"{path}: {name!r} has more than {MAX_SAMPLES} values")
+            require_few(path, repr(name), math.prod(map(int, dimensions)))
         with path.open("rb") as stream:
             variables = loadmat(stream)
     except InputError:

@@ -6,7 +6,7 @@ from typing import Any
 
 from pneuservo.errors import InputError
 from pneuservo.recordings.sidecar import TableShape
-from pneuservo.recordings.table import Table, rename_matrix
+from pneuservo.recordings.table import Table, rename_matrix, require_few
 
 
 def open_parquet(path: Path, shape: TableShape) -> Table:
@@ -34,7 +34,9 @@ def open_parquet(path: Path, shape: TableShape) -> Table:
 
     try:
         with path.open("rb") as stream:
-            table = parquet.ParquetFile(stream).read()
+            file = parquet.ParquetFile(stream)
+            require_few(path, "the table", file.metadata.num_rows * file.metadata.num_columns)
+            table = file.read()
     except (pyarrow.ArrowException, OSError) as problem:
         raise InputError(
             f"{path}: is cut off or not a Parquet file ({problem}); get a whole copy"

@@ -47,6 +47,8 @@ _OPENERS: dict[str, Callable[[Path, TableShape], Table]] = {
     ".mat": open_matlab,
     ".tdms": open_tdms,
 }
+SUFFIXES = tuple(_OPENERS)
+"""What the name of a recording's data file ends in."""
 
 
 def read_recording(path: str | Path, rig: str | Path | None = None) -> Recording:

@@ -14,6 +14,7 @@ from pneuservo.recordings.channels import CHANNELS
 from pneuservo.recordings.units import plain_number, quantity
 
 _TABLES = ("recording", "conditions", "controller", "table", "card", "time", "channels")
+_LOWEST_RATE = 1e-9  # Hz, a sample in thirty years
 _SOURCE_KEYS = ("column", "unit", "gauge", "scale", "offset", "noise_rms")
 
 
@@ -229,7 +230,7 @@ def _time_source(table: Mapping[str, Any], where: str) -> TimeSource:
         if len(table) > 1:
             raise InputError(f"{where} takes a rate or a column with its unit, not both")
         rate = quantity(table["rate"], "Hz", f"{where} rate")
-        if rate <= 0.0:
+        if rate < _LOWEST_RATE:
             raise InputError(
                 f"{where} rate is {table['rate']!r}; it has to be greater than 0, such as '1 kHz'"
             )

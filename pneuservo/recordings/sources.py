@@ -198,7 +198,10 @@ def samples_in_si(
     how = conversion(_unit(source, channel, where), channel.unit, f"{where} unit")
     if source.gauge and how.gauge is False:
         raise InputError(f"{where}: the unit says absolute, and gauge = true; keep one of them")
-    values = (raw * source.scale + source.offset) * how.scale + how.offset
+    with np.errstate(over="ignore"):
+        values = (raw * source.scale + source.offset) * how.scale + how.offset
+    if np.isinf(values).any():
+        raise InputError(f"{where}: scale and offset make values that are not finite; check them")
     if not (source.gauge or how.gauge):
         return values
     ambient = ambient_pressure(sidecar, rig)

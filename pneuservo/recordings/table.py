@@ -15,6 +15,29 @@ from pneuservo.naming import nearest
 MAX_SAMPLES = 50_000_000
 
 
+def require_few(path: Path, name: str, values: int) -> None:
+    """Refuse what has too many values to be read.
+
+    Parameters
+    ----------
+    path : Path
+        The data file.
+    name : str
+        What is refused in it.
+    values : int
+        How many it has, as the file says.
+
+    Raises
+    ------
+    InputError
+        When there are more than 50 million.
+    """
+    if values > MAX_SAMPLES:
+        raise InputError(
+            f"{path}: {name} has {values} values, more than {MAX_SAMPLES}; cut it shorter"
+        )
+
+
 def sample_place(index: int) -> str:
     """Return where a sample is, in a file that has no lines."""
     return f"sample {index + 1}"

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from pneuservo.errors import InputError
 from pneuservo.recordings.sidecar import TableShape
-from pneuservo.recordings.table import Table, rename_matrix
+from pneuservo.recordings.table import Table, rename_matrix, require_few
 
 _BIG_ENDIAN = 1 << 6  # this bit of a segment's contents
 _LEAD_IN = 28  # bytes: tag, contents, version, length of the segment, length of its description
@@ -42,6 +42,7 @@ def open_tdms(path: Path, shape: TableShape) -> Table:
             for channel in group.channels():
                 key = (group.name, channel.name)
                 found["/".join(key)] = key
+                require_few(path, repr("/".join(key)), len(channel))
                 step = channel.properties.get("wf_increment")
                 if isinstance(step, float) and math.isfinite(step) and step > 0.0:
                     rates[key] = 1.0 / step

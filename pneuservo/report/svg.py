@@ -22,6 +22,8 @@ _STYLE: dict[Any, Any] = {
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.2,
     "legend.frameon": False,
+    # Names of recordings may hold dollar signs.
+    "text.parse_math": False,
 }
 
 

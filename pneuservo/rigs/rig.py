@@ -349,7 +349,8 @@ def _effect(entry: Any, known: Sequence[str], what: str) -> dict[str, float]:
         number = value.get("value") if isinstance(value, dict) else value
         if not isinstance(number, int | float) or isinstance(number, bool):
             raise InputError(f"{what} {key}: {number!r} is not a number in SI")
-        if not math.isfinite(number):
-            raise InputError(f"{what} {key}: {number!r} is not a finite number")
-        values[key] = float(number)
+        try:
+            values[key] = to_si(number, "", f"{what} {key}")
+        except QuantityError as problem:
+            raise InputError(str(problem)) from problem
     return values

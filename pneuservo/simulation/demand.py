@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from analog_card.quantities import as_text, to_si_all
 from pneuservo.errors import InputError
+from pneuservo.recordings.reader import SUFFIXES
 
 HOLD, RATE = 0.5, 1000.0
 """How long a set point is held [s], and how often a demand is sampled [Hz], unless said."""
 
 # A sample a microsecond for 20 s; more is a slip in a unit, and would not fit into memory for long.
 _MOST_SAMPLES = 20_000_000
-_RECORDING_SUFFIXES = (".csv", ".parquet", ".h5", ".hdf5", ".mat", ".tdms")
 
 
 def step_demand(
@@ -107,4 +107,4 @@ def names_recording(demand: str) -> bool:
     >>> names_recording("runs/loop.csv"), names_recording("15,24 mm")
     (True, False)
     """
-    return Path(demand).suffix.lower() in _RECORDING_SUFFIXES
+    return Path(demand).suffix.lower() in SUFFIXES
