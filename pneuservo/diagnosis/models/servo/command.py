@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.models.servo.gaps import GAP
 from pneuservo.diagnosis.models.servo.set_point import AtOnce, beside
 
 FINEST_PART = 250e-6
@@ -21,8 +22,6 @@ _SETTLED = 6.0
 """Time constants after which a spool stands still."""
 _FINER = 10
 """Parts of an interval in which a spool's reply is worked out."""
-_GAP = 3.0
-"""A curve does not go on over a gap of so many intervals."""
 _CALM_SAMPLES = 51
 """Samples over which the noise of a command is looked for."""
 _CHATTER = 0.1
@@ -99,7 +98,7 @@ def running_command(time: Array, voltage: Array, limit: float, told: AtOnce | No
     interval = float(np.median(steps))
     parts = max(1, math.ceil(interval / FINEST_PART - 1e-9))
     found = np.repeat(voltage[:, np.newaxis], parts + 1, axis=1)
-    gaps = steps > _GAP * interval
+    gaps = steps > GAP * interval
     found[:-1][gaps] = np.linspace(voltage[:-1][gaps], voltage[1:][gaps], parts + 1, axis=1)
     sudden = np.zeros_like(voltage) if told is None else told.added
     ends = np.flatnonzero(gaps if told is None else gaps | told.unknown) + 1

@@ -38,6 +38,8 @@ class Feed:
         The voltage between its samples, see `pneuservo.diagnosis.models.servo.command` [V].
     unseen : (n,) array
         By how much the mean of that may be off in each interval [V].
+    blind : (n,) array of bool
+        While something is missing that the servo is followed by, and until that is forgotten.
     set_point : (n,) array
         Of the loop; empty where it was not recorded [m].
     gain_of_set_point : float
@@ -112,6 +114,7 @@ class Feed:
     voltage: Array
     command: Array
     unseen: Array
+    blind: NDArray[np.bool_]
     set_point: Array
     gain_of_set_point: float
     reading: Array

@@ -5,10 +5,12 @@ import math
 import numpy as np
 
 from pneuservo.diagnosis.models.servo.command import running_command, unseen
-from pneuservo.diagnosis.models.servo.feed import CHANNELS, PRESSURES, SUPPLY, Array, Feed
+from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, PRESSURES, SUPPLY, Array, Feed
+from pneuservo.diagnosis.models.servo.gaps import blind
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
 from pneuservo.diagnosis.models.servo.moved import moved_by
 from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
+from pneuservo.diagnosis.models.servo.spread import START
 from pneuservo.diagnosis.noise import noise_level
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -43,6 +45,8 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         for channel in CHANNELS
         if channel in recording
     }
+    followed = ("valve_voltage", "demand", "force", *FOLLOWED, SUPPLY)
+    there = [np.isfinite(recording[name]) for name in followed if name in recording]
     voltage = _closed(recording["valve_voltage"], time)
     set_point, gain = np.empty(0), 0.0
     if "demand" in recording:
@@ -61,6 +65,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         voltage=voltage,
         command=running_command(time, voltage, rig["valve.full_voltage"], told),
         unseen=unseen(voltage, told),
+        blind=blind(time, np.logical_and.reduce(there), START),
         set_point=set_point,
         gain_of_set_point=gain,
         reading=recording["displacement"],

@@ -13,6 +13,8 @@ from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import (
     COMMAND_DELAY,
+    SPOOL_GAIN,
+    SPOOL_ZERO,
     SUPPLY_LEVEL,
     ZERO_FORCE,
     supply_to_be_read,
@@ -32,6 +34,8 @@ _AT_ONCE = 1e-6
 """What takes no longer takes no time [s]."""
 _UNLIMITED = 1e6
 """Level of the controller: the valve driver limits the command [V]."""
+_OWN = {ZERO_FORCE: 0.0, SUPPLY_LEVEL: 0.0, COMMAND_DELAY: 0.0, SPOOL_ZERO: 0.0, SPOOL_GAIN: 1.0}
+"""What belongs to a recording alone, and what it is where nothing was fitted."""
 
 
 def imitation_of(case: Case, values: Values, rng: np.random.Generator) -> Feed:
@@ -53,7 +57,7 @@ def imitation_of(case: Case, values: Values, rng: np.random.Generator) -> Feed:
     follow stands for its own copy: what it gains is pretended.
     """
     fed: Feed = case.inputs["feed"]
-    own = {key: values.get(key, 0.0) for key in (ZERO_FORCE, SUPPLY_LEVEL, COMMAND_DELAY)}
+    own = {key: values.get(key, usual) for key, usual in _OWN.items()}
     fitted = case.rig.with_own_values(values)
     for rig in (fitted, replace(fitted, effects={}), replace(case.rig, effects={})):
         try:
@@ -82,8 +86,8 @@ def imitated(
         The rig as fitted, with the effects found so far.
     own : mapping of str to float
         Force that the zeros of the pressure transducers pretend, pressure of the source where the
-        supply was measured, and what converters take, as in
-        `pneuservo.diagnosis.models.servo.run_observer`.
+        supply was measured, what converters take, and zero and gain of the spool's transducer, as
+        in `pneuservo.diagnosis.models.servo.run_observer`.
     rng : Generator
         Of the noise.
 
@@ -115,6 +119,8 @@ def imitated(
     for name in fed.noise:
         noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
         true = source if name == SUPPLY else run[name]
+        if name == "spool":
+            true = own[SPOOL_ZERO] + own[SPOOL_GAIN] * true
         channels[name] = true + fed.noise[name] * noise
     noise_rms = dict(fed.noise)
     if "force" in recording:

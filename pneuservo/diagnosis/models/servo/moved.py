@@ -100,6 +100,7 @@ def with_spread(fed: Feed, rig: Rig) -> Feed:
     spread = spread_of_pressures(
         fed.time,
         fed.unseen,
+        fed.blind,
         fed.striking,
         fed.held,
         fed.noise,

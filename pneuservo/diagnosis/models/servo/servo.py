@@ -34,6 +34,7 @@ from pneuservo.diagnosis.models.servo.feed import (
     Feed,
 )
 from pneuservo.diagnosis.models.servo.feeding import feed
+from pneuservo.diagnosis.models.servo.gaps import with_gaps_as_missing
 from pneuservo.diagnosis.models.servo.imitation import imitation_of
 from pneuservo.diagnosis.models.servo.likelihood import (
     compared,
@@ -161,7 +162,7 @@ class ServoModel(Model):
         What changes in the course of a recording counts from where that begins.
         """
         require_absolute(recording, *PRESSURES, SUPPLY)
-        return with_stand_ins(recording.from_its_start(), rig)
+        return with_stand_ins(with_gaps_as_missing(recording.from_its_start()), rig)
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
@@ -177,7 +178,7 @@ class ServoModel(Model):
             if channel not in recording:
                 continue
             noise = fed.noise[channel]
-            usable = np.isfinite(recording[channel])
+            usable = np.isfinite(recording[channel]) & ~fed.blind
             if channel == "displacement":
                 usable = usable & (~fed.held | (fed.resting != 0))
             if np.count_nonzero(usable) < _FEWEST:
@@ -195,7 +196,7 @@ class ServoModel(Model):
                     noise,
                 )
             )
-        at_rest = judged_at_rest(fed.stuck, recording.sampling_interval)
+        at_rest = judged_at_rest(fed.stuck & ~fed.blind, recording.sampling_interval)
         if found and np.count_nonzero(at_rest) >= _FEWEST_RESTS:
             given = {"feed": fed, "leads": False, "recorded": recorded}
             found.append(

@@ -29,6 +29,7 @@ MOTION_MEMORY_AT_REST = 0.05
 def spread_of_pressures(
     time: Array,
     unseen: Array,
+    blind: NDArray[np.bool_],
     striking: NDArray[np.bool_],
     held: NDArray[np.bool_],
     noise: dict[str, float],
@@ -40,7 +41,7 @@ def spread_of_pressures(
 
     Parameters
     ----------
-    time, unseen, striking, held, noise
+    time, unseen, blind, striking, held, noise
         As in `pneuservo.diagnosis.models.servo.feed.Feed`.
     velocity_rms : (n,) array
         How well a velocity that is taken over is known [m/s].
@@ -61,7 +62,7 @@ def spread_of_pressures(
     plant = single_axis(rig)
     steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
     gas, piston = plant.gas, plant.piston
-    unsure = ((time < time[0] + START) | striking).astype(float)
+    unsure = ((time < time[0] + START) | blind | striking).astype(float)
     off, _ = _unseen_opening(time, unseen, plant.valve)
     flow = gas.choked_coefficient * plant.supply_pressure / np.sqrt(gas.temperature)
     memory = np.where(held, HELD_MEMORY, MEMORY)
