@@ -127,15 +127,21 @@ class Accepted(Hypotheses):
 
     def unexplained_share(self, found: Fit) -> float:
         """Return what a fit leaves beyond noise, as a share of what the baseline leaves."""
-        return self._unexplained(found) / max(self._unexplained(self.baseline), 1e-300)
+        return self.beyond_noise(found) / max(self.beyond_noise(self.baseline), 1e-300)
 
     def share(self, member: str) -> float:
         """Return the share of the mismatch that an accepted member explains beside the others."""
         rest = self._rest(member)
         return self.unexplained_share(rest) - self.unexplained_share(self.chosen)
 
-    def _unexplained(self, found: Fit) -> float:
-        """Return the sum of squares beyond noise."""
+    def beyond_noise(self, found: Fit) -> float:
+        """Return the sum of squares of a fit beyond noise.
+
+        Parameters
+        ----------
+        found : Fit
+            Of the recordings.
+        """
         noise = sum(len(r) * noise**2 for r, noise in zip(found.residuals, self.noise, strict=True))
         return max(0.0, found.samples * found.rms**2 - noise)
 
@@ -200,7 +206,7 @@ class Accepted(Hypotheses):
                 lambda name, closer: self.pretence.of(name, current, closer),
                 lambda closer: self._elsewhere(current, closer),
             )
-        found = (self._unexplained(self.baseline), self._unexplained(current))
+        found = (self.beyond_noise(self.baseline), self.beyond_noise(current))
         return ByEvidence(current, self.candidates, *found)
 
     def _bendable(self, current: Fit) -> Fit:

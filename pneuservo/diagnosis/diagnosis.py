@@ -300,7 +300,8 @@ def _unexplained(search: Search, held_back: HeldBack) -> tuple[Unexplained | Non
     found = find_unexplained(
         model,
         cases,
-        model.tables(cases),
+        # A table that the rig has already is one of its effects: it would be replaced, not mended.
+        [table for table in model.tables(cases) if table.effect not in cases[0].rig.effects],
         search.baseline,
         search.chosen,
         search.pretence.copies,

@@ -301,7 +301,7 @@ def _guilty(diagnosis: Diagnosis) -> str:
 def _corrected(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
     chosen, case = diagnosis.repaired, diagnosis.search.cases[0]
     corrected = {}
-    for key in diagnosis.model.fitted(case):
+    for key in diagnosis.model.fitted_to(diagnosis.search.cases):
         parameter, (low, high) = case.rig.parameters[key], chosen.intervals[key]
         worth = WHOLE_TOLERANCE if diagnosis.model.steady else WORTH_CORRECTING
         moved = abs(chosen.shared[key] - parameter.value) > worth * parameter.tolerance

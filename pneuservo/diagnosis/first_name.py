@@ -31,16 +31,21 @@ def with_first_name(search: Search) -> Search:
     first = _as_read(search, guess=True)
     if first.interrupted or not first.accepted:
         return first
+    found = first
     try:
         guess = list(first.accepted) if first.guessed else None
         found = _begun_anew(first)
         if found.interrupted or guess in (None, found.accepted):
             return found
-        first = _as_read(search, guess=False)
-        return _begun_anew(first)
+        surely = _as_read(search, guess=False)
+        if not surely.interrupted:
+            return _begun_anew(surely)
+        if surely.accepted:
+            return surely
     except KeyboardInterrupt:
-        first.interrupted = True
-        return first
+        pass
+    found.interrupted = True
+    return found
 
 
 def _as_read(search: Search, guess: bool) -> Search:
@@ -51,7 +56,10 @@ def _as_read(search: Search, guess: bool) -> Search:
     """
     model, progress = search.model, search.progress
     ranked = ranked_readings(model, model.readings(search.cases), progress)
-    late = likelier_if_late(model, ranked, progress)
+    try:
+        late = likelier_if_late(model, ranked, progress)
+    except KeyboardInterrupt:
+        return _stopped(Search(model, ranked[0].cases, progress, search.seed), ranked[0])
     first = _begun(search, late or ranked[0], guess)
     if late and not first.accepted and not first.interrupted:
         late, first = None, _begun(search, ranked[0], guess)
@@ -76,7 +84,12 @@ def _as_read(search: Search, guess: bool) -> Search:
 def _begun(search: Search, reading: Reading, guess: bool) -> Search:
     """Return a search in recordings as they are read and best followed, begun."""
     model = search.model
-    cases, baseline = likeliest_followed(model, reading.cases, reading.baseline, search.progress)
+    try:
+        cases, baseline = likeliest_followed(
+            model, reading.cases, reading.baseline, search.progress
+        )
+    except KeyboardInterrupt:
+        return _stopped(Search(model, reading.cases, search.progress, search.seed), reading)
     begun = Search(model, cases, search.progress, search.seed)
     if baseline is not None:
         begun.fits[baseline.hypothesis] = baseline
@@ -90,6 +103,21 @@ def _begun(search: Search, reading: Reading, guess: bool) -> Search:
     return begun
 
 
+def _stopped(search: Search, reading: Reading) -> Search:
+    """Return a search that was interrupted when no more than a baseline had been fitted.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When not even that was.
+    """
+    if reading.baseline is None:
+        raise KeyboardInterrupt
+    search.fits[reading.baseline.hypothesis] = reading.baseline
+    search.interrupted = True
+    return search
+
+
 def _begun_anew(search: Search) -> Search:
     """Return a search begun again in recordings followed with the first name, or to be sure of it.
 
@@ -101,7 +129,7 @@ def _begun_anew(search: Search) -> Search:
         return search
     first, named, told = begun.fits[search.chosen.hypothesis], [*search.accepted], [*search.ledger]
     begun.begin()
-    search.interrupted = begun.interrupted
+    search.interrupted |= begun.interrupted
     if not begun.accepted:
         search.accepted[:], search.ledger[:] = named, told
         return search

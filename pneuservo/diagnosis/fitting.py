@@ -313,6 +313,8 @@ def _summary(hypothesis: Hypothesis, problem: Problem, vector: Array, fixed: Val
     spread = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(problem.units, problem.units)
     covariance = np.asarray(spread, dtype=np.float64)
     half = INTERVAL * np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    # Of what nothing shows all that is possible is as likely.
+    half[~jacobian.any(axis=0) & np.isfinite(np.subtract(*problem.bounds))] = np.inf
     bounds = [
         (float(max(x - h, u.low)), float(min(x + h, u.high)))
         for x, h, u in zip(vector * problem.units, half, problem.shared, strict=False)

@@ -29,8 +29,7 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     fits = [search.baseline]
     for member in search.accepted:
         fits.append(search.fitted(fits[-1].hypothesis.adding(member)))
-    noise = search.chosen.samples * search.noise_rms**2
-    whole = max(search.baseline.samples * search.baseline.rms**2 - noise, 1e-300)
+    whole = max(search.beyond_noise(search.baseline), 1e-300)
     shares: dict[str, float] = {}
     regimes: dict[str, list[str]] = {}
     onset = onset_in_words([own.get("start", 0.0) for own in search.chosen.own])

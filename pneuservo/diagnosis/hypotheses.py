@@ -117,7 +117,7 @@ class Hypotheses:
         rig = self.cases[0].rig
         tolerated = [
             f"param.{key}"
-            for key in self.model.fitted(self.cases[0])
+            for key in self.model.fitted_to(self.cases)
             if rig.parameters[key].tolerance and not rig.parameters[key].free
         ]
         present = rig.effects

@@ -10,6 +10,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.rigs import Parameter
 
 _LEAST_SHARE = 1e-3
 """Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
@@ -225,7 +226,8 @@ def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str,
     -----
     Where a parameter was measured anew for a recording, 5 kg added for example, a fit that
     corrects it does so by the same factor everywhere, but for the error of that measurement, which
-    is the recording's own: 5 kg are weighed better than what they are added to.
+    is the recording's own: 5 kg are weighed better than what they are added to. A zero, or what may
+    as well be one, is corrected by as much everywhere.
     """
     here, mine = dict(shared), dict(own)
     before, now = first.rig.parameters, case.rig.parameters
@@ -235,9 +237,16 @@ def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str,
             continue
         nominal, reference = now[key].value, before[key].value
         error = mine.pop(_ANEW + key, 0.0) if measured_anew else 0.0
-        if nominal != reference and reference:
+        if _is_a_zero(before[key]):
+            here[key] += nominal - reference + error
+        elif nominal != reference:
             here[key] *= (1.0 + error) * nominal / reference
     return {**case.rig.effect_values, **here, **mine}
+
+
+def _is_a_zero(parameter: Parameter) -> bool:
+    """Return whether a value is no larger than what it is known by."""
+    return abs(parameter.value) <= parameter.tolerance
 
 
 def values_in_each(
@@ -295,7 +304,7 @@ def problems_of(model: Model, cases: Sequence[Case], hypothesis: Hypothesis) -> 
         They differ only in where they begin.
     """
     own = _own_unknowns(model, cases, hypothesis, cases[0])
-    baseline = _baseline_unknowns(model, cases[0], hypothesis)
+    baseline = _baseline_unknowns(model, cases, hypothesis)
     return [
         Problem(model, cases, [*baseline, *effects], own)
         for effects in _effect_unknowns(model, cases, hypothesis)
@@ -345,16 +354,24 @@ def _measured_anew(model: Model, case: Case, reference: Case) -> list[Unknown]:
     found = []
     for key in model.fitted(case):
         before, now = reference.rig.parameters[key], case.rig[key]
-        if before.tolerance and not before.free and before.value not in (0.0, now):
+        if not before.tolerance or before.free or before.value == now:
+            continue
+        if _is_a_zero(before):
+            error = Unknown(_ANEW + key, 0.0, -np.inf, np.inf, before.tolerance, before.unit)
+            found.append(error)
+        else:
             sigma = before.tolerance / abs(before.value)
             found.append(Unknown(_ANEW + key, 0.0, _LEAST_SHARE - 1.0, np.inf, sigma))
     return found
 
 
-def _baseline_unknowns(model: Model, case: Case, hypothesis: Hypothesis) -> list[Unknown]:
+def _baseline_unknowns(
+    model: Model, cases: Sequence[Case], hypothesis: Hypothesis
+) -> list[Unknown]:
     found = []
+    case = cases[0]
     guess = model.first_guess(case)
-    for key in model.fitted(case):
+    for key in model.fitted_to(cases):
         parameter = case.rig.parameters[key]
         known = parameter.tolerance and not parameter.free and key not in hypothesis.loosened
         start = guess.get(key, parameter.value) if parameter.free else parameter.value

@@ -77,14 +77,14 @@ class _Profile:
         self._lowest = float(np.sum(problem.cost_vector(vector) ** 2))
         # Products of the tall matrix, made once: its singular values cost as much as a simulation.
         self._products = jacobian.T @ jacobian
-        spread = np.linalg.pinv(self._products)
-        self._sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
+        self._sigma = np.sqrt(np.clip(np.diag(_inverse(self._products)), 0.0, None))
 
     def end(self, column: int, sign: float) -> float:
         """Return the end of the interval of one unknown, in units of the problem."""
         low, high = (bound[column] for bound in self._problem.bounds)
         centre, limit = self._vector[column], high if sign > 0.0 else low
-        reach = sign * float(np.sqrt(self._wanted)) * max(self._sigma[column], 1e-9)
+        # Of what nothing shows, all that is possible is as likely.
+        reach = sign * float(np.sqrt(self._wanted)) * (self._sigma[column] or high - low)
         inside, outside = 0.0, np.inf
         for _ in range(_MOST_TRIALS):
             if sign * (centre + reach - limit) > 0.0:

@@ -135,7 +135,9 @@ def _with_mixtures(
             for way in range(len(readings))
             if not are_the_same(of_recording(readings[way], recording), mine)
         ]
-        other = min(others, key=lambda way: at_best[way][recording], default=best)
+        if not others:
+            continue
+        other = min(others, key=lambda way: at_best[way][recording])
         if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
             try_as_well(_turned(ways[best], ways[other], recording))
     if _leaves_doubt(fits[_likeliest(unlikely, fits)]):

@@ -72,7 +72,7 @@ class Rivals(Accepted):
         """Return the fit without a member, and with each promising candidate in its place."""
         kept = [m for m in self.accepted if m != member]
         if self.interrupted:
-            return self._in_place_of_so_far(kept)
+            return self._in_place_of_so_far(member, kept)
         rest, forms = self.fitted(self._with(kept)), self.forms_of(member)
         promises = self._promises(rest, self._compatible(kept), keep=forms)
         needed = explained(rest, self.chosen)
@@ -104,21 +104,27 @@ class Rivals(Accepted):
         forms = same_physics(self.model.effects, member) if self.model.steady else {member}
         return [name for name in self.candidates if name in forms]
 
-    def _in_place_of_so_far(self, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
+    def _in_place_of_so_far(self, member: str, kept: Sequence[str]) -> tuple[Fit, dict[str, Fit]]:
         """Return the same from what had been fitted when the search was interrupted."""
         rest = self.fits.get(self._with(kept), self.baseline)
         names = [n for n in self.candidates if rest.hypothesis.adding(n) in self.fits]
-        return rest, {name: self.fits[rest.hypothesis.adding(name)] for name in names}
+        found = {name: self.fits[rest.hypothesis.adding(name)] for name in names}
+        # Names that were found elsewhere may have been fitted here together alone.
+        return rest, {**found, member: self.chosen}
 
     def _gain_over_chance(self, member: str) -> float:
         """Return how much more a member explains than the best candidate would of noise."""
         rest, others = self._in_place_of(member)
         chosen = self.chosen
-        directions = [found.sensitivities(name) for name, found in others.items()]
+        # All in the weights of what is taken for noise: others would not be absorbed as they are.
+        directions = [
+            found.in_weights(chosen.scale).sensitivities(name) for name, found in others.items()
+        ]
         noise = [
             r / chosen.scale[c] for r, c in zip(chosen.residuals, chosen.channels, strict=True)
         ]
-        chance = chance_gain(rest.jacobian, directions, noise, self.seed)
+        absorbed = rest.in_weights(chosen.scale).jacobian
+        chance = chance_gain(absorbed, directions, noise, self.seed)
         return explained(rest, chosen) / chance if chance > 0.0 else float("inf")
 
     def _revise(self) -> None:

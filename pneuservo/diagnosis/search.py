@@ -279,7 +279,7 @@ class Search(Rivals):
     @property
     def _worth_going_on(self) -> bool:
         """Return whether more than noise is left; innovations hide a small misfit in theirs."""
-        return self.model.steady or self._unexplained(self.chosen) > 0.0
+        return self.model.steady or self.beyond_noise(self.chosen) > 0.0
 
     @property
     def _hides_a_pair(self) -> bool:

@@ -56,10 +56,10 @@ def session_of(model: Model, cases: Sequence[Case], found: Fit) -> Session:
         values[name] = tuple(each[name][0] for each in circumstances)
         units[name], freedom[name] = unit, len(cases) - 1
     per_recording = _sensitivities(model, cases, found)
-    for key in model.fitted(cases[0]):
+    for key in model.fitted_to(cases):
         if key in per_recording[0] and all(np.any(columns[key]) for columns in per_recording):
             values[key] = tuple(
-                found.shared[key] + _wanted(key, model.fitted(cases[0]), columns, left)
+                found.shared[key] + _wanted(key, model.fitted_to(cases), columns, left)
                 for columns, left in zip(per_recording, found.residuals, strict=True)
             )
             units[key] = cases[0].rig.parameters[key].unit
@@ -87,7 +87,7 @@ def between_sessions(search: Search, rig: Rig) -> dict[str, Any] | None:
     there, model, cases = rig.session, search.model, search.cases
     if there is None or not there.values or model.steady:
         return None
-    kept = {key: cases[0].rig[key] for key in model.fitted(cases[0])}
+    kept = {key: cases[0].rig[key] for key in model.fitted_to(cases)}
     as_trained = fit(model, cases, Hypothesis(), fixed=kept, reference=cases[0])
     here = session_of(model, cases, as_trained)
     per_recording = _sensitivities(model, cases, as_trained)

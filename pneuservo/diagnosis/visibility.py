@@ -44,9 +44,8 @@ def not_visible(search: Search) -> list[dict[str, str]]:
     list of dict
         ``effect``, ``why`` and the ``experiment`` that would show it.
     """
-    effects = [
-        e for e in search.model.effects if e.id not in search.accepted and _compatible(search, e)
-    ]
+    present = {*search.accepted, *search.cases[0].rig.effects}
+    effects = [e for e in search.model.effects if e.id not in present and _compatible(search, e)]
     reasons = (_faint if search.model.steady else _within_noise)(search, effects)
     return [
         {"effect": effect.id, "why": reasons[effect.id], "experiment": effect.experiment}
@@ -140,7 +139,7 @@ def lookalikes(search: Search, parameter: str) -> list[str]:
         return _same_direction(search, parameter)
     mine = _sensitivity(search, chosen, parameter)
     alike = [f"param.{parameter}"]
-    for other in search.model.fitted(search.cases[0]):
+    for other in search.model.fitted_to(search.cases):
         if other != parameter and cosine(mine, _sensitivity(search, chosen, other)) > (
             SAME_DIRECTION
         ):

@@ -131,7 +131,7 @@ class CircuitModel(Model):
         slope = max(float(np.max(np.abs(np.diff(good)))), 1e-9) / case.inputs["interval"]
         rate = float(np.gradient(good[:3])[0]) / case.inputs["interval"]
         return [
-            Unknown("initial_output", float(good[0]), -span, span, unit="V"),
+            Unknown("initial_output", float(good[0]), good[0] - span, good[0] + span, unit="V"),
             Unknown("initial_rate", rate, -100 * slope, 100 * slope, unit="V/s"),
         ]
 
@@ -165,10 +165,10 @@ class CircuitModel(Model):
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by amplitude."""
         size = np.abs(case.measured - np.nanmean(case.measured))
-        large = 2.0 * float(np.sqrt(np.nanmean(size**2)))
+        usual = float(np.sqrt(np.nanmean(size**2)))
         return {
-            f"where the output exceeds {large * 1e3:.3g} mV": size > large,
-            f"where the output is below {large * 0.25e3:.3g} mV": size < 0.25 * large,
+            "where the output swings by more than twice its rms": size > 2.0 * usual,
+            "where the output swings by less than half its rms": size < 0.5 * usual,
         }
 
     def closeup(self, case: Case) -> slice:

@@ -51,7 +51,7 @@ class DeadVolumeModel(Model):
         full = rig["valve.full_voltage"]
         voltage = np.zeros(len(time))
         if "valve_voltage" in recording:
-            voltage = np.clip(np.nan_to_num(recording["valve_voltage"]), -full, full)
+            voltage = np.clip(_held(recording["valve_voltage"]), -full, full)
         inputs = {"time": time, "opening": voltage / full, "port": _port(measured, voltage)}
         return Case(recording, measured, inputs, noise, rig, np.isfinite(measured))
 
@@ -65,7 +65,7 @@ class DeadVolumeModel(Model):
 
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return level, transducer zero, and when the volume was left alone."""
-        level = float(np.nanmedian(case.measured[:5]))
+        level = float(np.median(case.measured[case.usable][:5]))
         unknowns = [Unknown("initial_pressure", level, 1e3, 5e6, unit="Pa")]
         if not active & _LEAK_IDS:
             return unknowns
@@ -99,7 +99,7 @@ class DeadVolumeModel(Model):
     def predict(self, case: Case, values: Values) -> Array:
         """Return the pressure history [Pa]."""
         get, time = values.get, case.inputs["time"]
-        rig = case.rig.with_values({key: values[key] for key in self.fitted(case) if key in values})
+        rig = case.rig.with_values({k: v for k, v in values.items() if k in case.rig.parameters})
         offset = get("pressure_offset", 0.0)
         pressure = run_leaking_volume(
             time,
@@ -179,6 +179,14 @@ def _leak(values: Values) -> Leak:
         get("leakage.pressure-opening:coefficient", 0.0),
         get("leakage.pressure-opening:exponent", 1.0),
     )
+
+
+def _held(command: Array) -> Array:
+    """Return a command that stays as it was last seen where it is missing."""
+    there = np.isfinite(command)
+    last = np.maximum.accumulate(np.where(there, np.arange(len(command)), 0))
+    # Before the first that was seen it is taken to have been that already.
+    return np.asarray(command[np.maximum(last, np.argmax(there))])
 
 
 def _port(pressure: Array, voltage: Array) -> int:

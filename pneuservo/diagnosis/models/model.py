@@ -302,8 +302,12 @@ class Model:
         raise NotImplementedError
 
     def fitted(self, case: Case) -> tuple[str, ...]:
-        """Return the rig parameters that a refit of the baseline may move."""
+        """Return the rig parameters that one recording tells of."""
         return ()
+
+    def fitted_to(self, cases: Sequence[Case]) -> tuple[str, ...]:
+        """Return the rig parameters that a refit to several recordings may move."""
+        return tuple(dict.fromkeys(key for case in cases for key in self.fitted(case)))
 
     def first_guess(self, case: Case) -> dict[str, float]:
         """Return where a fit of the free rig parameters should start, as far as data tell."""

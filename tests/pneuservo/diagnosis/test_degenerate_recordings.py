@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.models.dead_volume import DeadVolumeModel
 from pneuservo.recordings import Recording
 from pneuservo.report.page import diagnosis_page
+from pneuservo.rigs import load_rig
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")
 COUNTS = (16, 40, 200)
@@ -35,6 +37,24 @@ def test_missing_samples(count):
     pressure = 5e5 + 200.0 * np.random.default_rng(count).standard_normal(count)
     pressure[3:9] = np.nan
     assert answered("dead-volume", dead_volume_pressure=pressure) == "consistent"
+
+
+def test_a_recording_that_begins_with_missing_samples():
+    pressure = 5e5 + 200.0 * np.random.default_rng(1).standard_normal(200)
+    pressure[:7] = np.nan
+    assert answered("dead-volume", dead_volume_pressure=pressure) == "consistent"
+
+
+def test_a_command_that_is_missing_stays_as_it_was():
+    time = np.arange(200) * 0.01
+    volts = np.full(200, 5.0)
+    volts[[0, 1, *range(50, 60)]] = np.nan
+    channels = {"dead_volume_pressure": 5e5 + time, "valve_voltage": volts}
+    model = DeadVolumeModel()
+    case = model.prepare(
+        Recording("filled", time, channels, "dead-volume"), load_rig("dead-volume")
+    )
+    assert np.all(case.inputs["opening"] == 1.0)
 
 
 @pytest.mark.parametrize("count", COUNTS)

@@ -86,6 +86,19 @@ def test_a_guess_is_the_first_name_where_a_search_that_is_sure_says_so(
     assert asked == [True, False][:searched]
 
 
+def test_interrupted_while_it_makes_sure_it_keeps_what_it_was_sure_of(monkeypatch):
+    def read(search, guess):
+        if not guess:
+            return SimpleNamespace(accepted=[], interrupted=True)
+        return Begun(accepted=["a guess"], guessed=True, interrupted=False)
+
+    sure = SimpleNamespace(accepted=["another"], interrupted=False)
+    monkeypatch.setattr(first_name, "_as_read", read)
+    monkeypatch.setattr(first_name, "_begun_anew", lambda search: sure)
+    found = first_name.with_first_name(None)
+    assert (found.accepted, found.interrupted) == (["another"], True)
+
+
 class Guessing(Search):
     """A search whose parameters stay strained with whatever it finds."""
 

@@ -1,6 +1,7 @@
 """A parameter that was measured anew for a recording has an error of its own there."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -50,3 +51,15 @@ def test_what_is_added_is_weighed_better_than_what_it_is_added_to(cases):
     for case, left in zip(cases, found.residuals, strict=True):
         if case.channel == "displacement":
             assert np.sqrt(np.mean(left**2)) == pytest.approx(1.0, abs=0.06)
+
+
+@pytest.mark.parametrize("stated", [0.0, 0.8])
+def test_a_zero_is_off_by_as_much_everywhere(stated):
+    rig = load_rig("seal-tester").with_values({"sensor.force.offset": stated})
+    zero = replace(rig.parameters["sensor.force.offset"], tolerance=1.0)
+    rig = replace(rig, parameters={**rig.parameters, "sensor.force.offset": zero})
+    there = rig.with_values({"sensor.force.offset": 3.0})
+    first, second = SimpleNamespace(rig=rig), SimpleNamespace(rig=there)
+    shared = {"sensor.force.offset": stated + 0.5}
+    found = values_in_each([first, second], first, shared, [{}, {}])
+    assert [each["sensor.force.offset"] for each in found] == pytest.approx([stated + 0.5, 3.5])

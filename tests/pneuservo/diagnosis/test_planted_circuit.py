@@ -1,10 +1,14 @@
 """Circuits with something planted in them: is it found, named and measured?"""
 
+from dataclasses import replace
+
 import pytest
 import truth_circuit as truth
 from reading_answers import assert_recovered, entry_of, named
 
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.models.circuit import CircuitModel
+from pneuservo.rigs import load_rig
 
 # Effect, what is planted, its parameter, and its value in the catalogue's unit: the truth's rate
 # is divided by omega, and its damping signals are volts at the input.
@@ -62,6 +66,18 @@ def test_stiffness_and_damping_together(seed):
 def test_an_input_offset_within_its_tolerance_is_no_physics(seed):
     found = answer(seed, truth.linear_output(seed), input_offset=0.008)
     assert found["verdict"] == "consistent"
+
+
+def test_a_circuit_on_a_bias_is_no_physics():
+    # The state at the first sample is looked for beside what was read there, not beside zero.
+    recording = truth.recording(truth.linear_output(1), 1)
+    bias, channels = 2.5, dict(recording.channels)
+    channels["circuit_input"] = channels["circuit_input"] + bias / truth.GAIN
+    channels["circuit_output"] = channels["circuit_output"] + bias
+    case = CircuitModel().prepare(replace(recording, channels=channels), load_rig("circuit"))
+    first = CircuitModel().nuisances(case, frozenset())[0]
+    assert first.low < first.start < first.high
+    assert first.start == pytest.approx(bias, abs=0.5)
 
 
 @pytest.mark.parametrize("seed", truth.SEEDS)

@@ -8,6 +8,8 @@ import truth_dead_volume as truth
 from reading_answers import assert_recovered, entry_of, named, separable
 
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.models.dead_volume import DeadVolumeModel
+from pneuservo.rigs import load_rig
 
 SEEDS = (1, 2)
 
@@ -142,3 +144,16 @@ def test_a_wrong_supply_pressure_is_a_wrong_parameter(seed):
     assert found["verdict"] == "parameter"
     assert named(found) == set()
     assert_recovered(found["corrected_parameters"]["supply.pressure"], 7.5e5)
+
+
+def test_what_is_fitted_does_not_depend_on_the_order_of_the_files():
+    # Only filling tells the volume, but the leak-down is from the same one.
+    filling = truth.filled_and_shut(1, volume=1.1 * truth.VOLUME)
+    leaking = truth.recording(truth.pressure_history(truth.hole(2e-9)), 1)
+    model, rig = DeadVolumeModel(), load_rig("dead-volume")
+    cases = [model.prepare(recording, rig) for recording in (filling, leaking)]
+    assert model.fitted_to(cases) == model.fitted_to(cases[::-1]) == model.fitted(cases[0])
+    values = {"initial_pressure": 7e5, "leakage.orifice:area": 2e-9}
+    volumes = [{"dead-volume.volume": part * rig["dead-volume.volume"]} for part in (1.0, 1.5)]
+    small, large = (model.predict(cases[1], {**values, **volume}) for volume in volumes)
+    assert large[-1] > small[-1] + 1e3

@@ -38,3 +38,9 @@ def test_an_end_beyond_a_limit_is_the_limit():
     found = profile(lambda v: 0.1 * (v - 1.0), [1.0], [[0.1]], low=0.0, high=5.0)
     assert found.end(0, -1.0) == 0.0
     assert found.end(0, 1.0) == 5.0
+
+
+def test_of_what_nothing_shows_all_that_is_possible_is_left():
+    found = profile(lambda v: v[:1] - 1.0, [1.0, 0.3], [[1.0, 0.0]], low=-5.0, high=5.0)
+    assert (found.end(1, -1.0), found.end(1, 1.0)) == (-5.0, 5.0)
+    assert found.end(0, 1.0) == pytest.approx(1.0 + HALF, rel=1e-6)

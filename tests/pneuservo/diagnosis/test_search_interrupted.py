@@ -1,8 +1,11 @@
 """A search that the user stops answers with what it has."""
 
+import dataclasses
+
 import pytest
 
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.search import Search
 from pneuservo.examples.leaking_volume import leaking_volume
 
 
@@ -47,3 +50,19 @@ def test_interrupted_after_the_search_it_answers_with_all_that_was_found(moment)
     assert answer["verdict"] == "missing-physics"
     left = answer["fit"]["channels"]["dead_volume_pressure"]["after"]
     assert left["held_back"] is None or "sizes" in moment
+
+
+def test_names_that_were_only_fitted_together_are_answered_with():
+    # As where recordings are followed anew with what was found in them before.
+    whole = diagnose([leaking_volume()])
+    search = whole.search
+    assert len(search.accepted) > 1
+    both = search.chosen
+    again = Search(search.model, search.cases, stop_at("fitting"))
+    again.fits |= {found.hypothesis: found for found in (search.baseline, both)}
+    again.go_on_with(search)
+    assert again.interrupted
+    again.progress = lambda step: None
+    answer = document(dataclasses.replace(whole, search=again))
+    assert {entry["effect"] for entry in answer["missing"]} == set(search.accepted)
+    assert answer["partial"] is True

@@ -113,6 +113,8 @@ def _spectrum(time: Array, reading: Array) -> tuple[Array, Array]:
     possible = RIPPLE.parameters[1]
     lowest = max(possible.low, _FEWEST_SWINGS / float(time[-1] - time[0]))
     within = (frequency >= lowest) & (frequency <= possible.high)
+    # Too short for any of them: the highest there is.
+    within[-1] |= not within.any()
     return frequency[within], power[within]
 
 
