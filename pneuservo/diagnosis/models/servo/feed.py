@@ -61,7 +61,9 @@ class Feed:
     pressures : (2, n) array
         Pressures as measured, gaps closed, or as estimated [Pa].
     measured : (2,) tuple of bool
-        Which of them were measured.
+        Which of them were measured ...
+    read : (2, n) array of bool
+        ... and at which samples.
     pressure_rates : (2, n) array
         Their smoothed rates [Pa/s].
     supply : (n,) array or None
@@ -121,6 +123,7 @@ class Feed:
     motion: Array
     pressures: Array
     measured: tuple[bool, ...]
+    read: NDArray[np.bool_]
     pressure_rates: Array
     supply: Array | None
     supply_reading: Array

@@ -10,7 +10,6 @@ from pneuservo.diagnosis.models.servo.gaps import blind
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
 from pneuservo.diagnosis.models.servo.moved import moved_by
 from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
-from pneuservo.diagnosis.models.servo.spread import START
 from pneuservo.diagnosis.noise import noise_level
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -57,6 +56,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     if "force" in recording:
         force = _closed(recording["force"], time)
         force_rms = recording.noise_rms.get("force") or noise_level(force, time)
+    nowhere = np.full_like(time, np.nan)
     pressures = _pressures(recording, rig, float(force[0]))
     loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
     spread_of_force = math.hypot(*loads, force_rms)
@@ -65,13 +65,14 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         voltage=voltage,
         command=running_command(time, voltage, rig["valve.full_voltage"], told),
         unseen=unseen(voltage, told),
-        blind=blind(time, np.logical_and.reduce(there), START),
+        blind=blind(time, np.logical_and.reduce(there)),
         set_point=set_point,
         gain_of_set_point=gain,
         reading=recording["displacement"],
         motion=np.zeros((3, len(time))),
         pressures=pressures,
         measured=tuple(name in recording for name in PRESSURES),
+        read=np.array([np.isfinite(recording.channels.get(n, nowhere)) for n in PRESSURES]),
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
         supply=_supply(recording, interval),
         supply_reading=recording.channels.get(SUPPLY, np.empty(0)),

@@ -13,6 +13,10 @@ GAP = 3.0
 """Samples that are farther apart than so many intervals have a gap between them."""
 
 
+FORGOTTEN = 0.06
+"""How long what a piston did while nobody saw what drove it goes on to show in where it is [s]."""
+
+
 def with_gaps_as_missing(recording: Recording) -> Recording:
     """Return a recording in which gaps in time are samples that are missing.
 
@@ -65,7 +69,7 @@ def with_gaps_as_missing(recording: Recording) -> Recording:
     )
 
 
-def blind(time: Array, present: NDArray[np.bool_], forgotten: float) -> NDArray[np.bool_]:
+def blind(time: Array, present: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return where what was not recorded may still show.
 
     Parameters
@@ -74,8 +78,6 @@ def blind(time: Array, present: NDArray[np.bool_], forgotten: float) -> NDArray[
         [s].
     present : (n,) array of bool
         Whether all that a servo is followed by was recorded.
-    forgotten : float
-        How long what nobody saw goes on to show [s].
 
     Returns
     -------
@@ -85,8 +87,8 @@ def blind(time: Array, present: NDArray[np.bool_], forgotten: float) -> NDArray[
     Examples
     --------
     >>> present = np.array([True, True, False, True, True, True])
-    >>> blind(np.arange(6.0), present, 1.5).astype(int).tolist()
+    >>> blind(0.05 * np.arange(6.0), present).astype(int).tolist()
     [0, 0, 1, 1, 0, 0]
     """
     last = np.maximum.accumulate(np.where(present, -np.inf, time))
-    return np.asarray(time < last + forgotten) | ~present
+    return np.asarray(time < last + FORGOTTEN) | ~present

@@ -259,7 +259,7 @@ def _observe(
     found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
         fed.command,
-        np.vstack([np.where(there, lagging, np.nan), fed.reading]),
+        np.vstack([np.where(fed.read, lagging, np.nan), fed.reading]),
         fed.motion,
         motion,
         supply,
