@@ -8,7 +8,7 @@ from pneuservo.naming import require_known
 from pneuservo.recordings.paths import inside_folder
 from pneuservo.recordings.sidecar import Sidecar
 from pneuservo.recordings.units import parse_pressure, quantity
-from pneuservo.rigs import BUILT_IN_RIGS, Rig, load_rig
+from pneuservo.rigs import BUILT_IN_RIGS, VARIANTS, Rig, load_rig
 
 AMBIENT_PRESSURE = "ambient_pressure"
 # Facts of a run that any sidecar may state, also when the rig has no use for them.
@@ -67,7 +67,7 @@ def rig_of(sidecar: Sidecar) -> Rig:
     """
     where = f"{sidecar.path}: [recording] rig"
     if not sidecar.rig.endswith(".toml") and "/" not in sidecar.rig:
-        require_known(sidecar.rig, BUILT_IN_RIGS, where)
+        require_known(sidecar.rig, (*BUILT_IN_RIGS, *VARIANTS), where)
         return load_rig(sidecar.rig)
     path = inside_folder(sidecar.rig, sidecar.path.parent, where)
     if path.suffix != ".toml":

@@ -16,7 +16,7 @@ from pneuservo.recordings.channels import CHANNELS
 from pneuservo.recordings.conditions import CARD_UNITS, CONTROLLER_KINDS, CONTROLLER_UNITS
 from pneuservo.recordings.recording import Recording
 from pneuservo.recordings.sidecar import read_sidecar
-from pneuservo.rigs import BUILT_IN_RIGS, load_rig
+from pneuservo.rigs import BUILT_IN_RIGS, VARIANTS, load_rig
 
 _Columns = Mapping[str, NDArray[np.float64]]
 
@@ -30,7 +30,7 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
         What to write.
     path : str or Path
         Where to: ``.csv``, ``.parquet``, ``.h5`` or ``.hdf5``. The sidecar goes beside it. A rig
-        or card design file that the recording refers to is copied there.
+        file, with its valve file, or a card design that it refers to is copied there.
 
     Returns
     -------
@@ -153,8 +153,11 @@ def _sidecar(recording: Recording, path: Path) -> str:
     import tomli_w
 
     head: dict[str, Any] = {"title": recording.title, "rig": recording.rig}
-    if recording.rig not in BUILT_IN_RIGS:
+    if recording.rig not in (*BUILT_IN_RIGS, *VARIANTS):
         head["rig"] = _beside(Path(recording.rig), path.parent)
+        valve = load_rig(recording.rig).valve
+        if valve.endswith(".toml"):
+            _beside(Path(valve), (path.parent / head["rig"]).parent)
     if recording.taken:
         head["taken"] = _date(recording.taken)
     head["notes"] = recording.notes

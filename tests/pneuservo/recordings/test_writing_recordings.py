@@ -9,6 +9,7 @@ import pytest
 
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording, write_recording
+from pneuservo.rigs import load_rig
 
 COUNT = 300
 TIME = np.cumsum(np.full(COUNT, 1.0 / 610.3515625))
@@ -84,6 +85,23 @@ def test_rig_and_design_files_go_along(tmp_path):
     (tmp_path / "out" / "mine.toml").write_text("# another\n")
     with pytest.raises(InputError, match="is another file than"):
         write_recording(recording, tmp_path / "out" / "third.csv")
+
+
+def test_the_valve_file_of_a_rig_goes_with_it(tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "mine.toml").write_text('[rig]\nkind = "single-axis"\nvalve = "valve.toml"\n')
+    (elsewhere / "valve.toml").write_text("# its tables\n")
+    recording = dataclasses.replace(FULL, rig=str(elsewhere / "mine.toml"))
+    read = read_recording(write_recording(recording, tmp_path / "out" / "run.csv"))
+    assert Path(load_rig(read.rig).valve) == tmp_path / "out" / "valve.toml"
+    assert (tmp_path / "out" / "valve.toml").read_text() == "# its tables\n"
+
+
+def test_a_variant_of_a_rig_is_named_as_a_built_in_one_is(tmp_path):
+    rig = "figure-linear-axis"
+    recording = dataclasses.replace(FULL, rig=rig, conditions={}, controller={}, card={})
+    assert read_recording(write_recording(recording, tmp_path / "run.csv")).rig == rig
 
 
 @pytest.mark.parametrize(
