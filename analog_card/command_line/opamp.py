@@ -43,7 +43,7 @@ def _print(figures: tuple[Figure, ...]) -> None:
         note = f"[{reasons.index(figure) + 1}]" if figure in reasons else ""
         rows.add_row(
             figure.name,
-            "pass" if figure.within else note.replace("[", r"\[") or "FAIL",
+            "pass" if figure.within else note or "FAIL",
             as_text(figure.data_sheet, figure.unit, 3),
             as_text(figure.measured, figure.unit, 4),
             f"{figure.deviation:.1f} %",
@@ -51,4 +51,4 @@ def _print(figures: tuple[Figure, ...]) -> None:
     console = Console(markup=False)
     console.print(rows)
     for number, figure in enumerate(reasons, 1):
-        console.print(rf"\[{number}] {figure.name}: {figure.why}")
+        console.print(f"[{number}] {figure.name}: {figure.why}")

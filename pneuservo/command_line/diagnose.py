@@ -109,7 +109,7 @@ def command(
         step("reading the recordings")
         used = [read(path, rig, window) for path in recordings]
         held_back = [read(path, rig, validate_window) for path in validate]
-        require_unread([out / name for name in NAMES], [*used, *held_back], rig)
+        require_unread([out / name for name in NAMES], [*used, *held_back])
         found = diagnose(used, held_back, rig, step, seed, without, jobs or processors())
         step("writing the report")
         answer = write_answer(found, out)

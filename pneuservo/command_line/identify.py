@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +91,7 @@ def command(
     with progress() as step:
         step("reading the recordings")
         used = [read(path, rig, window) for path in recordings]
-        require_unread([out / "rig.toml", out / "identification.json"], used, rig)
+        require_unread([out / "rig.toml", out / "identification.json"], used)
         step("identifying")
         known = load_rig(used[0].rig)
         found, each = _identified(known.kind, method, used, rig, options)
@@ -227,17 +228,12 @@ def _rig(found: Any, rig: Rig) -> dict[str, Any]:
     """Return the rig file of a rig with the values found."""
     source = f"pneuservo identify, {found.method}"
     # The rig of a seal tester has no viscous friction of its own.
-    own = {name: entry.value for name, entry in found.values.items() if name in rig.parameters}
-    effects = {name: entry.value for name, entry in found.values.items() if ":" in name}
-    document = rig_document(rig.with_values(own | effects))
-    for name, value in own.items():
-        document["parameters"][name] = {
-            **document["parameters"].get(name, {}),
-            "value": value,
-            "unit": rig.parameters[name].unit,
-            "source": source,
-        }
-    return document
+    repaired = rig.with_own_values({name: entry.value for name, entry in found.values.items()})
+    named = {
+        name: replace(parameter, source=source) if name in found.values else parameter
+        for name, parameter in repaired.parameters.items()
+    }
+    return rig_document(replace(repaired, parameters=named))
 
 
 def _print(answer: dict[str, Any], out: Path) -> None:
