@@ -59,7 +59,7 @@ def _as_read(search: Search, guess: bool) -> Search:
     try:
         late = likelier_if_late(model, ranked, progress)
     except KeyboardInterrupt:
-        return _stopped(Search(model, ranked[0].cases, progress, search.seed), ranked[0])
+        return _stopped(search, ranked[0])
     first = _begun(search, late or ranked[0], guess)
     if late and not first.accepted and not first.interrupted:
         late, first = None, _begun(search, ranked[0], guess)
@@ -89,7 +89,7 @@ def _begun(search: Search, reading: Reading, guess: bool) -> Search:
             model, reading.cases, reading.baseline, search.progress
         )
     except KeyboardInterrupt:
-        return _stopped(Search(model, reading.cases, search.progress, search.seed), reading)
+        return _stopped(search, reading)
     begun = Search(model, cases, search.progress, search.seed)
     if baseline is not None:
         begun.fits[baseline.hypothesis] = baseline
@@ -104,7 +104,7 @@ def _begun(search: Search, reading: Reading, guess: bool) -> Search:
 
 
 def _stopped(search: Search, reading: Reading) -> Search:
-    """Return a search that was interrupted when no more than a baseline had been fitted.
+    """Return the search in recordings read in one way, interrupted with no more than a baseline.
 
     Raises
     ------
@@ -113,9 +113,10 @@ def _stopped(search: Search, reading: Reading) -> Search:
     """
     if reading.baseline is None:
         raise KeyboardInterrupt
-    search.fits[reading.baseline.hypothesis] = reading.baseline
-    search.interrupted = True
-    return search
+    stopped = Search(search.model, reading.cases, search.progress, search.seed)
+    stopped.fits[reading.baseline.hypothesis] = reading.baseline
+    stopped.interrupted = True
+    return stopped
 
 
 def _begun_anew(search: Search) -> Search:

@@ -11,8 +11,6 @@ from pneuservo.recordings import Recording
 
 GAP = 3.0
 """Samples that are farther apart than so many intervals have a gap between them."""
-
-
 FORGOTTEN = 0.06
 """How long what a piston did while nobody saw what drove it goes on to show in where it is [s]."""
 
