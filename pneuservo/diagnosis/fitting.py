@@ -26,7 +26,7 @@ _FEW_EVALUATIONS = 15
 _MOST_PASSES = 8
 _BEYOND = (-2.0, -1.0, 1.0, 2.0)
 """Tolerances by which a parameter is moved to look beyond a ridge ..."""
-WORTH_LOOKING = 1.05
+_WORTH_LOOKING = 1.05
 """... where a channel of a recording is left at so many times its noise, which is known to 5 %."""
 _SETTLED = 0.03
 """Relative change of the weights below which they have settled."""
@@ -168,7 +168,7 @@ def beyond_ridges(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
     if not model.ridges:
         return found
     worst = max(rms([r]) for c, r in zip(cases, found.residuals, strict=True) if c.recorded)
-    if worst < WORTH_LOOKING:
+    if worst < _WORTH_LOOKING:
         return found
     problem = begun_at(_problem_of(model, cases, found), found.shared, found.own)
     here = problem.first

@@ -4,12 +4,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pneuservo.diagnosis.fit import Fit, gained_most, rms
-from pneuservo.diagnosis.fitting import WORTH_LOOKING, fit, refitted
+from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.side_by_side import side_by_side
-from pneuservo.diagnosis.strained import is_strained
 from pneuservo.diagnosis.ways import (
     Cases,
     alone,
@@ -110,7 +109,8 @@ def _with_mixtures(
 
     Each recording in its likeliest way first; then the likeliest of all, one recording at a time
     turned to its second: beside a relay that was read wrongly a proportional loop seemed likelier
-    read wrongly too. Where that leaves doubt, each in the way in which it is likeliest alone.
+    read wrongly too. At last, each in the way in which it is likeliest alone: by parameters that
+    a wrong way to read the other had led to, the right way was too unlikely to be turned to.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
@@ -140,15 +140,14 @@ def _with_mixtures(
         other = min(others, key=lambda way: at_best[way][recording])
         if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
             try_as_well(_turned(ways[best], ways[other], recording))
-    if _leaves_doubt(fits[_likeliest(unlikely, fits)]):
+    if _is_nearly_complete(fits[_likeliest(unlikely, fits)]):
         try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
     return ways, fits, unlikely
 
 
-def _leaves_doubt(found: Fit) -> bool:
-    """Return whether the likeliest way to read leaves a little more than noise, or is strained."""
-    left = max(rms([residual]) for residual in found.residuals)
-    return (is_strained(found) or left > WORTH_LOOKING) and left < _FAR_MORE
+def _is_nearly_complete(found: Fit) -> bool:
+    """Return whether the likeliest way to read leaves little more than noise."""
+    return max(rms([residual]) for residual in found.residuals) < _FAR_MORE
 
 
 def _likeliest(unlikely: Sequence[Mapping[int, float]], fits: Sequence[Fit]) -> int:

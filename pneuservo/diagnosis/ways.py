@@ -42,8 +42,10 @@ def unlikeliness_in(
     Residuals count in what is left all over, so that this decides nothing; but those of a recording
     of which one of the ways leaves no more than noise, in any channel, count in noise, and none in
     far more than one of the ways leaves: a relay that switches between its samples was left at 18
-    times the noise where it was held, at 1.1 times where it ran on, and all of it forgiven.
+    times the noise where it was held, at 1.1 times where it ran on, and all of it forgiven. Each
+    recording is followed as suits it in each way.
     """
+    ways = [best_excused(model, way, known) for way, known in zip(ways, values, strict=True)]
     found = [model.levels(way, known) for way, known in zip(ways, values, strict=True)]
     misfits = [{key[0] for key, level in levels.items() if level > 1.0} for levels in found]
     forgiven = set.intersection(*misfits)
@@ -87,6 +89,24 @@ def by_recording(
             [cases[i] for i in mine], [values[i] for i in mine], levels
         )
     return found
+
+
+def best_excused(model: Model, cases: Cases, values: Sequence[Values]) -> list[Case]:
+    """Return cases with the trust, of those by which readings are judged, that suits each best.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    cases : sequence of Case
+        In one way, those of a recording together.
+    values : sequence of mapping
+        What is known of each case.
+    """
+    trusts = model.excused(cases)
+    if len(trusts) == 1:
+        return list(cases)
+    return likeliest_of_each(trusts, [by_recording(model, each, values) for each in trusts])
 
 
 def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None) -> list[Fit]:
@@ -194,7 +214,9 @@ def alone(
         way, each = asked
         cases = of_recording(ways[way], each)
         found = fit(model, cases, Hypothesis())
-        return by_recording(model, cases, values_in([cases], [found])[0])[each] + found.penalty
+        known = values_in([cases], [found])[0]
+        excused = best_excused(model, cases, known)
+        return by_recording(model, excused, known)[each] + found.penalty
 
     found = [dict.fromkeys(recordings, math.inf) for _ in ways]
     for (way, each), unlikely in zip(asked, side_by_side(by_its_own, asked), strict=True):

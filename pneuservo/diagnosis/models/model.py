@@ -280,6 +280,13 @@ class Model:
         """
         return [list(cases)]
 
+    def excused(self, cases: Sequence[Case]) -> list[list[Case]]:
+        """Return the cases with each trust by which a way to read them may be judged.
+
+        First as they are; each with the cases in their order.
+        """
+        return self.followed(cases)
+
     def trusted(self, cases: Sequence[Case]) -> list[Case]:
         """Return the cases with the trust of a model that lacks nothing, in their order."""
         return list(cases)

@@ -9,6 +9,7 @@ from servo_recordings import NOISE, noisy
 from pneuservo.controllers import SlidingMode
 from pneuservo.diagnosis import diagnose, document
 from pneuservo.diagnosis.followed import likeliest_followed
+from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.late import likelier_if_late
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, is_relay
 from pneuservo.diagnosis.models.servo.rests import chatters
@@ -16,6 +17,7 @@ from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.trust import may_only_seem_to_rest, unsure_of_rest
 from pneuservo.diagnosis.readings import ranked_readings
 from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES
+from pneuservo.diagnosis.ways import by_recording, unlikeliness_in
 from pneuservo.recordings import Recording
 from pneuservo.report.page import diagnosis_page
 from pneuservo.rigs import load_rig
@@ -53,6 +55,27 @@ def test_a_command_that_keeps_moving_makes_rest_unsure(rig):
     assert np.median(unsure.spread) > 2.0 * np.median(feeds[1].spread)
     # Where it is said to be quiet there is nothing to choose.
     assert [len(model.followed(cases)) for cases in held] == [2, 3]
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_what_a_piston_at_rest_does_unseen_does_not_tell_how_a_command_is_read(rig, seed):
+    # It rings on the asperities of its seals by less than its transducer tells.
+    given = rig.with_values({"load.mass": 7.2, "piston.coulomb_friction": 1.8})
+    elastic = given.with_values({"friction.presliding:travel": 1e-5})
+    rng = np.random.default_rng(seed)
+    kicks = np.where(TIME % 0.5 < 0.02, 3.0, 0.0) * np.where(TIME % 1.0 < 0.5, 1.0, -1.0)
+    command = kicks + 0.02 * rng.standard_normal(len(TIME))
+    quiet = {"displacement": 1.6e-5, "pressure_a": 260.0, "pressure_b": 260.0}
+    recording = noisy(simulate(elastic, time=TIME, command=command), rng, quiet)
+    model = ServoModel()
+    ways = model.readings(model.cases(replace(recording, noise_rms=quiet), given))[:2]
+    nothing = [[{}] * len(way) for way in ways]
+    surely = [by_recording(model, *each) for each in zip(ways, nothing, strict=True)]
+    excused = unlikeliness_in(model, ways, nothing)
+    running, held = (sum(way.values()) for way in surely)
+    assert running < held
+    running, held = (sum(way.values()) for way in excused)
+    assert held < running - LEAST_GAIN
 
 
 def analogue_relay(rig, mass: float, seed: int) -> Recording:

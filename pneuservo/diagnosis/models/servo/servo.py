@@ -62,7 +62,7 @@ from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
-from pneuservo.diagnosis.models.servo.trust import steadily, unsure
+from pneuservo.diagnosis.models.servo.trust import steadily, unsure, unsure_of_rest
 from pneuservo.diagnosis.models.servo.without_hum import without_hum
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.effects import Effect
@@ -275,6 +275,16 @@ class ServoModel(Model):
         """
         others = [_followed(cases, way) for way in (steadily, unsure)]
         return [list(cases), *(way for way in others if not are_the_same(way, cases))]
+
+    def excused(self, cases: Sequence[Case]) -> list[list[Case]]:
+        """Return the cases with each trust by which a way to read them may be judged.
+
+        What a piston at rest does unseen must not tell how a command is read: one of 7 kg that
+        rang by 10 um before it stuck left so much that a command which was held was likelier, by
+        757, one that ran on, for what that does between its samples excuses as much. Nor would it
+        do to follow recordings so: what is that unsure of a piston at rest does not see it leak.
+        """
+        return [*self.followed(cases), _followed(cases, unsure_of_rest)]
 
     def trusted(self, cases: Sequence[Case]) -> list[Case]:
         """Return the cases with next to no unmodelled force."""
