@@ -258,7 +258,7 @@ def diagnose(
         )
         before = after = None
         search = as_found(with_first_name(Search(model, cases, progress, seed)))
-        kept_out = HeldBack(model, held_back, search.cases[0])
+        kept_out = HeldBack(model, held_back, search.cases)
         unexplained = misfit = None
         if not search.interrupted:
             with search.kept_when_interrupted():

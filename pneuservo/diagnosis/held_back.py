@@ -43,19 +43,19 @@ class HeldBack:
         Of their rig.
     cases : sequence of Case
         Prepared, as they are best read.
-    reference : Case
-        The first recording that was fitted to.
+    used : sequence of Case
+        What was fitted to.
     """
 
     model: Model
     cases: Sequence[Case]
-    reference: Case
+    used: Sequence[Case]
 
     def read_with(self, found: Fit, table: Table | None = None) -> "HeldBack":
         """Return them as they are best read and followed with what was found."""
         known = _that_repeats(found, table)
-        cases = likeliest_held_back(self.model, self.cases, known, self.reference)
-        return HeldBack(self.model, cases, self.reference)
+        cases = likeliest_held_back(self.model, self.cases, known, self.used[0])
+        return HeldBack(self.model, self.model.told(cases, self.used), self.used)
 
     def predicted(self, found: Fit, table: Table | None = None) -> Fit:
         """Return a fit's prediction, with the recordings' own values alone fitted to them.
@@ -69,12 +69,12 @@ class HeldBack:
         """
         known = _that_repeats(found, table)
         prediction = fit(
-            self.model, self.cases, known.hypothesis, fixed=known.shared, reference=self.reference
+            self.model, self.cases, known.hypothesis, fixed=known.shared, reference=self.used[0]
         )
         if table is None or not table.own:
             return prediction
         base = of_channels(self.cases, prediction)
-        tabulated = Tabulated(self.model, self.cases, table, self.reference)
+        tabulated = Tabulated(self.model, self.cases, table, self.used[0])
         return tabulated.fitted(base, tabulated.changes(base))[0]
 
     def refute(self, before: Fit, after: Fit) -> bool:

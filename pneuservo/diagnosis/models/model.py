@@ -280,6 +280,10 @@ class Model:
         """
         return [list(cases)]
 
+    def told(self, cases: Sequence[Case], used: Sequence[Case]) -> list[Case]:
+        """Return cases that were held back, what only they tell of the rig not judged."""
+        return list(cases)
+
     def excused(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with each trust by which a way to read them may be judged.
 

@@ -5,17 +5,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from servo_recordings import recorded
+from servo_recordings import noisy, recorded
 
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis import diagnose, document, held_back
 from pneuservo.diagnosis import search as search_module
 from pneuservo.diagnosis.diagnosis import _prepare
+from pneuservo.diagnosis.fit import rms
+from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import model_of
 from pneuservo.diagnosis.search import Search
 from pneuservo.rigs import load_rig
+from pneuservo.simulation import simulate
 
 EFFECT = "leakage.chamber-a"
 
@@ -55,7 +58,7 @@ def test_a_name_has_to_explain_what_was_held_back(
 ):
     model, used, kept_out = cases
     again = dataclasses.replace(search, accepted=list(search.accepted), ledger=[])
-    again.drop_refuted(HeldBack(model, kept_out[what], used[0]))
+    again.drop_refuted(HeldBack(model, kept_out[what], used))
     assert again.accepted == named
     assert [step.replaced for step in again.ledger] == ([] if named else [EFFECT])
     assert all("held back" in step.why for step in again.ledger)
@@ -65,7 +68,7 @@ def test_what_explains_much_is_not_refuted_by_what_was_held_back(cases, search, 
     monkeypatch.setattr(held_back, "BEYOND_DOUBT", 50.0)
     model, used, kept_out = cases
     before, after = search.fitted(Hypothesis()), search.chosen
-    kept_out = HeldBack(model, kept_out["without"], used[0])
+    kept_out = HeldBack(model, kept_out["without"], used)
     assert kept_out.are_predicted_worse(before, after)
     assert not kept_out.refute(before, after)
 
@@ -73,7 +76,33 @@ def test_what_explains_much_is_not_refuted_by_what_was_held_back(cases, search, 
 def test_without_recordings_held_back_nothing_is_refuted(cases, search):
     model, used, _ = cases
     before, after = search.fitted(Hypothesis()), search.chosen
-    assert not HeldBack(model, [], used[0]).are_predicted_worse(before, after)
+    assert not HeldBack(model, [], used).are_predicted_worse(before, after)
+
+
+def test_where_a_stop_is_that_was_never_reached_says_nothing_against_a_name():
+    given = load_rig("single-axis")
+    # Two tolerances longer than it is said to be.
+    stroke = given["piston.stroke"] + 2.0 * given.parameters["piston.stroke"].tolerance
+    true = given.with_values({"piston.stroke": stroke})
+    model, time = model_of("single-axis", frozenset()), np.arange(0.0, 4.0, 1e-3)
+
+    def pressed(seed):
+        run = simulate(true, time=time, command=np.where(time % 2.0 < 1.5, 3.0, -3.0))
+        return _prepare(model, noisy(run, np.random.default_rng(seed)), given)
+
+    def missed(kept_out, found):
+        left = kept_out.predicted(found).residuals
+        return max(rms([mine]) for mine in left)
+
+    used = _prepare(model, recorded(true, Proportional(), 1), given)
+    found, kept_out = fit(model, used, Hypothesis()), HeldBack(model, pressed(2), used)
+    assert missed(kept_out, found) > 10.0
+    assert missed(kept_out.read_with(found), found) < 1.25
+    # Recordings that have told it, too, have to be right.
+    told = [*used, *pressed(3)]
+    kept_out = HeldBack(model, pressed(2), told)
+    assert model.told(kept_out.cases, told) == kept_out.cases
+    assert missed(kept_out, fit(model, told, Hypothesis())) < 1.1
 
 
 @pytest.mark.parametrize(

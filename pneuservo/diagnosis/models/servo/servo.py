@@ -276,6 +276,21 @@ class ServoModel(Model):
         others = [_followed(cases, way) for way in (steadily, unsure)]
         return [list(cases), *(way for way in others if not are_the_same(way, cases))]
 
+    def told(self, cases: Sequence[Case], used: Sequence[Case]) -> list[Case]:
+        """Return cases that were held back; where a stop is that was never reached is not judged.
+
+        The stroke is known within its tolerance alone: 0.14 mm of it, read while the piston lay at
+        the far stop, decided whether friction that grows with rest was there.
+        """
+        if any(np.any(case.inputs["feed"].resting == 1) for case in used):
+            return list(cases)
+        found = []
+        for case in cases:
+            usable = case.usable & (case.inputs["feed"].resting != 1)
+            is_told = case.channel != "displacement" or np.count_nonzero(usable) < _FEWEST
+            found.append(case if is_told else replace(case, usable=usable))
+        return found
+
     def excused(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with each trust by which a way to read them may be judged.
 
