@@ -216,13 +216,13 @@ class ByGain(Judge):
     def _is_not_itself(self, name: str, found: Fit) -> bool:
         """Return whether an effect came out as real parts never show it.
 
-        It is too small, or has all of its several parameters at the far ends of their ranges:
-        its law takes the shape of something else.
+        Its size is none of theirs, or all of its several parameters are at the far ends of their
+        ranges: its law takes the shape of something else.
         """
         effect = next(effect for effect in self.effects if effect.id == name)
         values = [(p, found.shared[effect.key(p.name)]) for p in effect.parameters]
         size, value = values[0]
-        if abs(value) < size.least:
+        if not size.least <= abs(value) <= size.most:
             return True
         ends = [v in {p.low, p.high} - {p.neutral} for p, v in values]
         return len(ends) > 1 and all(ends)

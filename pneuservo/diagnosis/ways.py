@@ -7,7 +7,7 @@ from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Levels, Values
+from pneuservo.diagnosis.models.model import Levels, Values, are_the_same
 from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.diagnosis.side_by_side import side_by_side
 
@@ -203,16 +203,19 @@ def alone(
     """
     recordings = list(at_best[0])
     limits = {each: _HOPELESS_ALONE * min(way[each] for way in at_best) for each in recordings}
+    mine = [{each: of_recording(way, each) for each in recordings} for way in ways]
     asked = [
         (way, each)
         for way in range(len(ways))
         for each in recordings
         if at_best[way][each] < limits[each]
+        # What reads a recording as one before it does would only be fitted twice.
+        and not any(are_the_same(mine[way][each], before[each]) for before in mine[:way])
     ]
 
     def by_its_own(asked: tuple[int, int]) -> float:
         way, each = asked
-        cases = of_recording(ways[way], each)
+        cases = mine[way][each]
         found = fit(model, cases, Hypothesis())
         known = values_in([cases], [found])[0]
         excused = best_excused(model, cases, known)

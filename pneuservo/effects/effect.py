@@ -1,5 +1,6 @@
 """What one entry of the catalogue holds."""
 
+import math
 from dataclasses import dataclass
 
 
@@ -27,6 +28,8 @@ class EffectParameter:
         `pneuservo.plant.servo.servo_effects.ServoEffects`; ``""`` on other rigs.
     least : float, optional
         Smallest size that is known of real parts; a smaller one is not worth the name [unit].
+    most : float, optional
+        Largest one, where a larger is as good as none [unit].
     """
 
     name: str
@@ -38,6 +41,7 @@ class EffectParameter:
     meaning: str
     field: str = ""
     least: float = 0.0
+    most: float = math.inf
 
 
 @dataclass(frozen=True)

@@ -85,6 +85,16 @@ def test_a_hose_of_no_length_does_not_delay(time, is_itself):
     assert judge._is_not_itself(delay.id, fit) is not is_itself
 
 
+@pytest.mark.parametrize(("stiffness", "is_itself"), [(3e7, False), (1e7, True)])
+def test_a_stop_of_steel_is_no_bumper(stiffness, is_itself):
+    # Of one that gave way by 3 um, as steel does, a bumper of 3 um was left.
+    contact = effect_by_id("endstop.contact", "single-axis")
+    values = {"stiffness": stiffness, "damping": 200.0, "length": 3e-6}
+    fit = SimpleNamespace(shared={contact.key(name): value for name, value in values.items()})
+    judge = ByGain(fit, fit, [contact], lambda name, fit: 0.0, lambda fit: 0.0)
+    assert judge._is_not_itself(contact.id, fit) is not is_itself
+
+
 def leaves(energy, unknowns):
     """Return what stands for a fit that leaves this sum of squares."""
     return SimpleNamespace(
