@@ -9,8 +9,8 @@ from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.ways import (
     Cases,
     baselines_of,
-    by_recording,
     likeliest_of_each,
+    likeliest_of_ways,
     unlikeliness_in,
     values_elsewhere,
     values_in,
@@ -47,8 +47,7 @@ def likeliest_followed(
     progress("fitting the baseline to each way in which the recordings may be followed")
     fits = baselines_of(model, ways, baseline)
     values = values_in(ways, fits)
-    unlikely = [by_recording(model, *each) for each in zip(ways, values, strict=True)]
-    chosen = likeliest_of_each(ways, unlikely)
+    chosen = likeliest_of_ways(model, ways, values)
     for way, found in zip(ways, fits, strict=True):
         if are_the_same(way, chosen):
             return chosen, found
@@ -78,6 +77,5 @@ def likeliest_held_back(model: Model, held_back: Cases, found: Fit, first: Case)
     ways = model.followed(chosen)
     if len(ways) > 1:
         values = values_elsewhere(ways, first, found)
-        unlikely = [by_recording(model, *each) for each in zip(ways, values, strict=True)]
-        chosen = likeliest_of_each(ways, unlikely)
+        chosen = likeliest_of_ways(model, ways, values)
     return chosen

@@ -14,8 +14,10 @@ from pneuservo.diagnosis.ways import (
     alone,
     at_their_best,
     baselines_of,
+    best_excused,
     likeliest_of_each,
     of_recording,
+    unlikeliness_as_followed,
     unlikeliness_in,
     values_in,
 )
@@ -113,7 +115,9 @@ def _with_mixtures(
     a wrong way to read the other had led to, the right way was too unlikely to be turned to.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
-    unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
+    values = values_in(ways, fits)
+    excused = [best_excused(model, *each) for each in zip(ways, values, strict=True)]
+    unlikely = unlikeliness_as_followed(model, excused, values)
     if len(unlikely[0]) == 1:
         return ways, fits, unlikely
     at_best = at_their_best(model, readings, fits)
@@ -124,7 +128,9 @@ def _with_mixtures(
             nearest = fits[_likeliest(unlikely, fits)]
             ways.append(mixture)
             fits.append(refitted(model, mixture, nearest))
-            unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
+            values.extend(values_in(ways[-1:], fits[-1:]))
+            excused.append(best_excused(model, mixture, values[-1]))
+            unlikely = unlikeliness_as_followed(model, excused, values)
 
     try_as_well(likeliest_of_each(ways, unlikely))
     for recording in unlikely[0]:

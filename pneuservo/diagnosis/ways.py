@@ -21,7 +21,7 @@ _HOPELESS_ALONE = 2.0
 def unlikeliness_in(
     model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
 ) -> list[dict[int, float]]:
-    """Return how unlikely each recording is in each of some ways.
+    """Return how unlikely each recording is in each of some ways, followed as suits it in each.
 
     Parameters
     ----------
@@ -36,16 +36,33 @@ def unlikeliness_in(
     -------
     list of dict of int to float
         Of each way, by identity of the recording: twice the negative log-likelihood.
+    """
+    excused = [best_excused(model, way, known) for way, known in zip(ways, values, strict=True)]
+    return unlikeliness_as_followed(model, excused, values)
+
+
+def unlikeliness_as_followed(
+    model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
+) -> list[dict[int, float]]:
+    """Return how unlikely each recording is in each of some ways, followed as it is.
+
+    Parameters
+    ----------
+    model, ways, values
+        As for `unlikeliness_in`; the ways from `best_excused`.
+
+    Returns
+    -------
+    list of dict of int to float
+        As of `unlikeliness_in`.
 
     Notes
     -----
     Residuals count in what is left all over, so that this decides nothing; but those of a recording
     of which one of the ways leaves no more than noise, in any channel, count in noise, and none in
     far more than one of the ways leaves: a relay that switches between its samples was left at 18
-    times the noise where it was held, at 1.1 times where it ran on, and all of it forgiven. Each
-    recording is followed as suits it in each way.
+    times the noise where it was held, at 1.1 times where it ran on, and all of it forgiven.
     """
-    ways = [best_excused(model, way, known) for way, known in zip(ways, values, strict=True)]
     found = [model.levels(way, known) for way, known in zip(ways, values, strict=True)]
     misfits = [{key[0] for key, level in levels.items() if level > 1.0} for levels in found]
     forgiven = set.intersection(*misfits)
@@ -104,9 +121,7 @@ def best_excused(model: Model, cases: Cases, values: Sequence[Values]) -> list[C
         What is known of each case.
     """
     trusts = model.excused(cases)
-    if len(trusts) == 1:
-        return list(cases)
-    return likeliest_of_each(trusts, [by_recording(model, each, values) for each in trusts])
+    return likeliest_of_ways(model, trusts, [values] * len(trusts))
 
 
 def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None) -> list[Fit]:
@@ -225,6 +240,22 @@ def alone(
     for (way, each), unlikely in zip(asked, side_by_side(by_its_own, asked), strict=True):
         found[way][each] = unlikely
     return found
+
+
+def likeliest_of_ways(
+    model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
+) -> list[Case]:
+    """Return every recording's cases in the way in which it is likeliest, in noise.
+
+    Parameters
+    ----------
+    model, ways, values
+        As for `unlikeliness_in`.
+    """
+    if len(ways) == 1:
+        return list(ways[0])
+    unlikely = [by_recording(model, *each) for each in zip(ways, values, strict=True)]
+    return likeliest_of_each(ways, unlikely)
 
 
 def likeliest_of_each(ways: Sequence[Cases], unlikely: Sequence[Mapping[int, float]]) -> list[Case]:
