@@ -17,8 +17,8 @@ from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import noise_floor, noise_level
-from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.diagnosis.strained import leaves_noise, only_followed
+from pneuservo.diagnosis.unknowns import values_in_each
 from pneuservo.effects import CATALOGUE, effect_by_id
 
 

@@ -10,7 +10,7 @@ from pneuservo.diagnosis.fit import Fit, explained, orthonormal, rms
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.problem import residuals_of, values_in_each
+from pneuservo.diagnosis.problem import residuals_of
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import (
     Signatures,
@@ -18,6 +18,7 @@ from pneuservo.diagnosis.signatures import (
     signatures_of,
     spans_beyond,
 )
+from pneuservo.diagnosis.unknowns import values_in_each
 
 FAR = 1000.0
 """What explains more of the sum of squares has changed what others would change."""

@@ -10,8 +10,8 @@ from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.unknowns import values_in
 from pneuservo.diagnosis.visibility import SAME_DIRECTION, cosine, lookalikes
 from pneuservo.rigs import Rig, Session
 

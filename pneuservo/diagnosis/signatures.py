@@ -8,8 +8,8 @@ import numpy as np
 from pneuservo.diagnosis.fit import Fit, orthonormal
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.problem import values_in
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.diagnosis.unknowns import values_in
 from pneuservo.effects import Effect
 
 _STEP = 1e-3

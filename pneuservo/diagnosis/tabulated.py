@@ -10,7 +10,8 @@ from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
 from pneuservo.diagnosis.fitting import channel_scales
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table, Values
-from pneuservo.diagnosis.problem import residuals_of, values_in_each
+from pneuservo.diagnosis.problem import residuals_of
+from pneuservo.diagnosis.unknowns import values_in_each
 
 PLAIN = 0.05
 """What a bend between knots, and what all have in common, counts, in what a knot shows: knots of

@@ -8,8 +8,8 @@ from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Levels, Values, are_the_same
-from pneuservo.diagnosis.problem import values_in_each
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.diagnosis.unknowns import values_in_each
 
 Cases = Sequence[Case]
 _MOST_FORGIVEN = 4.0

@@ -11,7 +11,8 @@ from pneuservo.controllers import SlidingMode
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.problem import problems_of, values_in_each
+from pneuservo.diagnosis.problem import problems_of
+from pneuservo.diagnosis.unknowns import values_in_each
 from pneuservo.rigs import load_rig
 
 ADDED = 5.0

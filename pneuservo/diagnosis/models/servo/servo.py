@@ -1,6 +1,6 @@
 """The single-axis servo, followed by an observer from command and measurements."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -19,82 +19,33 @@ from pneuservo.diagnosis.models.model import (
     are_the_same,
 )
 from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke
-from pneuservo.diagnosis.models.servo.between_samples import (
-    OTHER_WAYS,
-    AsGiven,
-    with_running_command,
-)
+from pneuservo.diagnosis.models.servo.between_samples import AsGiven, with_running_command
 from pneuservo.diagnosis.models.servo.command import is_relay
 from pneuservo.diagnosis.models.servo.estimate import with_gains
-from pneuservo.diagnosis.models.servo.feed import (
-    AT_REST,
-    CHANNELS,
-    PRESSURES,
-    SUPPLY,
-    Feed,
-)
+from pneuservo.diagnosis.models.servo.feed import AT_REST, CHANNELS, PRESSURES, SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.gaps import with_gaps_as_missing
 from pneuservo.diagnosis.models.servo.imitation import imitation_of
-from pneuservo.diagnosis.models.servo.likelihood import (
-    compared,
-    innovations,
-    levels_of,
-    unlikeliness_of,
-)
-from pneuservo.diagnosis.models.servo.measured_spool import (
-    GAIN_SPREAD,
-    SPOOL_GAIN,
-    SPOOL_ZERO,
-    ZERO_SPREAD,
-)
+from pneuservo.diagnosis.models.servo.likelihood import innovations, levels_of, unlikeliness_of
 from pneuservo.diagnosis.models.servo.misfit import misfit_of
-from pneuservo.diagnosis.models.servo.moved import held_at_stops
+from pneuservo.diagnosis.models.servo.nuisances import nuisances_of
+from pneuservo.diagnosis.models.servo.reading import FEWEST, in_each_way, read
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
-from pneuservo.diagnosis.models.servo.run_observer import (
-    COMMAND_DELAY,
-    REVERSAL,
-    SUPPLY_LEVEL,
-    ZERO_FORCE,
-    forces_at_rest,
-)
+from pneuservo.diagnosis.models.servo.run_observer import forces_at_rest
 from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
-from pneuservo.diagnosis.models.servo.stops import judged_at_rest
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
 from pneuservo.diagnosis.models.servo.trust import steadily, unsure, unsure_of_rest
-from pneuservo.diagnosis.models.servo.without_hum import without_hum
-from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
-from pneuservo.errors import InputError
 from pneuservo.plant.servo.unexplained_effects import QUANTITIES
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
-_JUDGED = (
-    ("displacement", "m"),
-    ("pressure_a", "Pa"),
-    ("pressure_b", "Pa"),
-    (SUPPLY, "Pa"),
-    ("spool", ""),
-)
-_FEWEST = 50
-"""Samples below which a channel is not judged: a piston that rests all the time tells nothing."""
-_FEWEST_RESTS = 4
-"""Moments below which the force on a piston at rest is not judged."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
-_REVERSALS = (0.2, 20.0)
-"""Limits of the speed over which friction turns round, in resolutions of the velocity."""
 _STANDS_STILL = 0.5
 """Share of the intervals in which a command does that comes from a table and not from a loop."""
 _ROWS = (*CHANNELS, AT_REST)
-_REVERSAL_SPREAD = 1.0
-"""How well it is known."""
-_CONVERSION_SPREAD = 2e-5
-"""How long converters take to put out a command [s], as a rule ..."""
-_LONGEST_CONVERSION = 1e-4
-"""... and at the most, and no longer than half a sampling interval."""
 
 
 class ServoModel(Model):
@@ -167,58 +118,8 @@ class ServoModel(Model):
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
         require_on_stroke(recording, rig["piston.stroke"])
-        return self._read(recording, rig, with_running_command, feed(recording, rig))
-
-    def _read(self, recorded: Recording, rig: Rig, as_given: AsGiven, begun: Feed) -> list[Case]:
-        recording, fed = without_hum(recorded, rig, as_given, begun)
-        if "stick-mask" in self.without:
-            fed = with_gains(held_at_stops(fed, rig), rig)
-        found: list[Case] = []
-        for channel, unit in _JUDGED:
-            if channel not in recording:
-                continue
-            noise = fed.noise[channel]
-            usable = np.isfinite(recording[channel]) & ~fed.blind
-            if channel == "displacement":
-                usable = usable & (~fed.held | (fed.resting != 0))
-            if np.count_nonzero(usable) < _FEWEST:
-                continue
-            found.append(
-                Case(
-                    recording,
-                    recording[channel] / noise,
-                    {"feed": fed, "leads": not found, "recorded": recorded, "begun": begun},
-                    1.0,
-                    rig,
-                    usable,
-                    channel,
-                    unit,
-                    noise,
-                )
-            )
-        at_rest = judged_at_rest(fed.stuck & ~fed.blind, recording.sampling_interval)
-        if found and np.count_nonzero(at_rest) >= _FEWEST_RESTS:
-            given = {"feed": fed, "leads": False, "recorded": recorded}
-            found.append(
-                Case(
-                    recording,
-                    np.zeros_like(fed.time),
-                    given,
-                    1.0,
-                    rig,
-                    at_rest,
-                    AT_REST,
-                    "",
-                    finest=1.0,
-                    recorded=False,
-                )
-            )
-        if not found:
-            raise InputError(
-                f"{recorded.source or recorded.name}: the piston does not move and no pressure "
-                "was recorded: there is nothing to judge; record both pressures, or a motion"
-            )
-        return found
+        begun = feed(recording, rig)
+        return read(recording, rig, with_running_command, begun, self._looks_for_rests)
 
     def readings(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with a command that runs on and with one that is held.
@@ -228,33 +129,11 @@ class ServoModel(Model):
         whose set point comes from a converter jumps with that, and runs on in between; so does one
         that hears the noise of a transducer which is sampled.
         """
-        feeds = [case.inputs["feed"] for case in cases if case.inputs["leads"]]
-        asked = [way for way in OTHER_WAYS if any(way[1](fed) for fed in feeds)]
-        others = side_by_side(lambda way: self._otherwise(cases, *way), asked)
-        return compared([list(cases), *others])
+        return in_each_way(cases, self._looks_for_rests)
 
-    def _otherwise(
-        self,
-        cases: Sequence[Case],
-        as_given: AsGiven,
-        where: Callable[[Feed], bool],
-    ) -> list[Case]:
-        """Return the cases read in another way; those of which nothing could be judged as before.
-
-        Read in the wrong way a relay leaves lines that pass for hum: it is looked for in each.
-        """
-        found: list[Case] = []
-        for case in cases:
-            if not case.inputs["leads"]:
-                continue
-            as_before = [other for other in cases if other.origin is case.origin]
-            try:
-                asked = where(case.inputs["feed"])
-                begun = case.inputs["begun"]
-                found += self._read(case.origin, case.rig, as_given, begun) if asked else as_before
-            except InputError:
-                found += as_before
-        return found
+    @property
+    def _looks_for_rests(self) -> bool:
+        return "stick-mask" not in self.without
 
     def stored(self, case: Case) -> bool:
         """Return whether the command stands still but for jumps and is not that of a relay.
@@ -287,7 +166,7 @@ class ServoModel(Model):
         found = []
         for case in cases:
             usable = case.usable & (case.inputs["feed"].resting != 1)
-            is_told = case.channel != "displacement" or np.count_nonzero(usable) < _FEWEST
+            is_told = case.channel != "displacement" or np.count_nonzero(usable) < FEWEST
             found.append(case if is_told else replace(case, usable=usable))
         return found
 
@@ -330,31 +209,8 @@ class ServoModel(Model):
         )
 
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
-        """Return what differs from recording to recording though the rig is the same.
-
-        The force that the drifting zeros of the pressure transducers pretend, as large as their
-        noise, and the speed over which friction turns round: the velocity is smoothed, and real
-        friction gives way by some micrometres before it slips; how long a computer takes to put out
-        its command; the pressure of a source that was measured; and zero and gain of a
-        spool's transducer. What a filter starts from is forgotten.
-        """
-        fed: Feed = case.inputs["feed"]
-        found: list[Unknown] = []
-        fitted = "nuisances" not in self.without
-        if fitted and case.inputs["leads"] and fed.spread_of_force:
-            found.append(Unknown(ZERO_FORCE, 0.0, -np.inf, np.inf, fed.spread_of_force, "N"))
-        if fitted and case.channel == "displacement":
-            found.append(Unknown(REVERSAL, 1.0, *_REVERSALS, _REVERSAL_SPREAD, ""))
-        if fitted and case.inputs["leads"] and fed.converted:
-            longest = min(_LONGEST_CONVERSION, 0.5 * fed.interval)
-            found.append(Unknown(COMMAND_DELAY, 0.0, 0.0, longest, _CONVERSION_SPREAD, "s"))
-        if case.inputs["leads"] and fed.supply is not None:
-            level = float(np.mean(fed.supply))
-            found.append(Unknown(SUPPLY_LEVEL, level, 0.5 * level, 2.0 * level, None, "Pa"))
-        if case.inputs["leads"] and len(fed.spool_reading):
-            found.append(Unknown(SPOOL_ZERO, 0.0, -np.inf, np.inf, ZERO_SPREAD))
-            found.append(Unknown(SPOOL_GAIN, 1.0, 0.0, np.inf, GAIN_SPREAD))
-        return found
+        """Return what differs from recording to recording though the rig is the same."""
+        return nuisances_of(case, fitted="nuisances" not in self.without)
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged channel as expected from its surroundings and its own past."""
