@@ -13,6 +13,10 @@ OFF_NOMINAL = 0.2
 HARMONICS = (1, 2, 3)
 LINE = 15.0
 """A line of so many times the power beside it is no noise: one in three million bins is."""
+ALONE = 3.0
+"""A line that is not so many times as strong as any beside it is one of many, as a misfit leaves
+them that comes back with each step of a command: a leak under a set point that stepped every 0.4 s
+was taken for hum of 0.3 to 0.7 times the noise in each way of reading the recordings."""
 SLOW = 3.0
 """What is left of a command that repeats more slowly has lines beside those of the mains [Hz]."""
 REPEATED = 0.5
@@ -139,7 +143,9 @@ def _standing_out(
     away = np.abs(beside[0][near] - frequency)
     around = beside[1][near][(away > _BESIDE[0]) & (away < _BESIDE[1])]
     # A short recording has nothing beside a line.
-    floor = float(np.mean(around)) if len(around) else 0.0
+    floor = (
+        max(float(np.mean(around)), float(np.max(around)) * ALONE / LINE) if len(around) else 0.0
+    )
     there = float(np.mean(share > 0.0))
     if not floor > 0.0 or there < _LEAST_SEEN:
         return 0.0, np.zeros(len(waves))

@@ -1,7 +1,7 @@
 """Hypotheses fitted to recordings, each once, and which of them are worth a fit."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -269,12 +269,14 @@ class Hypotheses:
         explains = {name: explained(base, closer) for name, closer in tried.items()}
         may_be = [name for name, closer in tried.items() if not judge.barred(name, closer)]
         near = (1.0 - SECOND_SHARE) * max((explains[name] for name in may_be), default=0.0)
-        return {
-            name: self.ended(closer.hypothesis)
-            if explains[name] > max(ALMOST * judge.least(name), near)
-            else closer
-            for name, closer in tried.items()
-        }
+        least = {name: max(ALMOST * judge.least(name), near) for name in tried}
+        return self._ended_of(tried, [name for name in tried if explains[name] > least[name]])
+
+    def _ended_of(self, found: Mapping[str, Fit], names: Collection[str]) -> dict[str, Fit]:
+        """Return fits, those of some candidates carried to their ends."""
+        asked = [name for name in found if name in names]
+        ended = side_by_side(lambda name: self.ended(found[name].hypothesis), asked)
+        return {**found, **dict(zip(asked, ended, strict=True))}
 
 
 def _best_of(

@@ -185,11 +185,11 @@ class Pretence:
             What it would be added to.
         """
         if beside.hypothesis not in self._visible:
-            imitations = self.copies(beside)
-            self._visible[beside.hypothesis] = {
-                name: _visibility(beside, variants, imitations)
-                for name, variants in self.signatures_beside(beside).items()
-            }
+            imitations, shown = self.copies(beside), self.signatures_beside(beside)
+            found = side_by_side(
+                lambda variants: _visibility(beside, variants, imitations), shown.values()
+            )
+            self._visible[beside.hypothesis] = dict(zip(shown, found, strict=True))
         return self._visible[beside.hypothesis]
 
     def of(self, name: str, beside: Fit, closer: Fit) -> float:

@@ -11,6 +11,7 @@ from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.ways import (
     Cases,
+    all_excused,
     alone,
     at_their_best,
     baselines_of,
@@ -116,7 +117,7 @@ def _with_mixtures(
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
     values = values_in(ways, fits)
-    excused = [best_excused(model, *each) for each in zip(ways, values, strict=True)]
+    excused = all_excused(model, ways, values)
     unlikely = unlikeliness_as_followed(model, excused, values)
     if len(unlikely[0]) == 1:
         return ways, fits, unlikely

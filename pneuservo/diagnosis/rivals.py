@@ -79,10 +79,7 @@ class Rivals(Accepted):
         near = within_reach(rest, promises, needed, member)
         near |= {name: promises[name] for name in forms}
         # Forms of the same physics are told apart by less than a fit that stopped short leaves.
-        ended = {
-            name: self.ended(found.hypothesis) if name in forms else found
-            for name, found in self._fitted_with(rest, near, needed).items()
-        }
+        ended = self._ended_of(self._fitted_with(rest, near, needed), forms)
         judge = self._judge(rest)
         if member in ended and judge.may_be_form(member, ended[member]):
             # What forms leave of the others is no rival of what acts elsewhere.

@@ -8,6 +8,7 @@ import numpy as np
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
+from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import Signatures, most_gained, spans_beyond
 
 WORTH_FITTING = 6
@@ -146,15 +147,17 @@ def scores(
     base, signatures, names, one_sided
         As for `promising`.
     """
-    left, score = base.unabsorbed, {}
-    for name in names:
-        if name in signatures:
-            counts = partial(_adds, left=left) if name in one_sided else None
-            spans = spans_beyond(base, signatures[name], counts)
-            score[name] = most_gained(spans, left)
-        else:
-            score[name] = base.loosened(name.removeprefix("param."), left)
-    return score
+    left = base.unabsorbed
+
+    def score(name: str) -> float:
+        if name not in signatures:
+            return base.loosened(name.removeprefix("param."), left)
+        counts = partial(_adds, left=left) if name in one_sided else None
+        return most_gained(spans_beyond(base, signatures[name], counts), left)
+
+    # Worked out here, and not by two threads at once.
+    _ = base.absorbed
+    return dict(zip(names, side_by_side(score, names), strict=True))
 
 
 def _adds(rest: Array, left: Array) -> bool:

@@ -1,15 +1,30 @@
 """Pieces of work that do not depend on each other, done at the same time."""
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from contextvars import ContextVar, copy_context
+from dataclasses import dataclass
+from threading import Semaphore
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-_AT_A_TIME = ContextVar("pieces of work done at a time", default=1)
+_THREADS = 16
+"""For each piece that is done at a time, for what waits for its own pieces keeps its thread."""
+
+
+@dataclass(frozen=True)
+class _Helpers:
+    """Threads that may help, and how many more may work now."""
+
+    threads: ThreadPoolExecutor
+    free: Semaphore
+
+
+_HELPERS: ContextVar[_Helpers | None] = ContextVar("who may help with pieces of work", default=None)
 
 
 @contextmanager
@@ -19,13 +34,14 @@ def at_a_time(jobs: int) -> Iterator[None]:
     Parameters
     ----------
     jobs : int
-        One and more. Work that is done beside other work does its own pieces one by one.
+        One and more, however pieces of work are divided into further ones.
     """
-    before = _AT_A_TIME.set(jobs)
-    try:
-        yield
-    finally:
-        _AT_A_TIME.reset(before)
+    with ThreadPoolExecutor(_THREADS * jobs) as threads:
+        before = _HELPERS.set(_Helpers(threads, Semaphore(jobs - 1)) if jobs > 1 else None)
+        try:
+            yield
+        finally:
+            _HELPERS.reset(before)
 
 
 def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
@@ -39,28 +55,67 @@ def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[
     items : iterable
         What is to be done, as many at a time as `at_a_time` says; one where it says nothing.
 
+    Notes
+    -----
+    Whoever asks works too, and is helped whenever someone is free: the pieces of one long piece
+    are shared out as soon as those beside it are done.
+
     Examples
     --------
     >>> with at_a_time(2):
     ...     side_by_side(lambda number: number**2, [1, 2, 3])
     [1, 4, 9]
     """
-    items, jobs = list(items), _AT_A_TIME.get()
-    if jobs == 1 or len(items) < 2:
+    items, helpers = list(items), _HELPERS.get()
+    if helpers is None or len(items) < 2:
         return [work(item) for item in items]
+    left, found, called = deque(enumerate(items)), {}, []
 
-    def alone(item: Item) -> Result:
-        with at_a_time(1):
-            return work(item)
-
-    with ThreadPoolExecutor(jobs) as pool:
-        # A thread has a context of its own: without this one's, numpy would warn there of what is
-        # to be passed over here.
-        waiting = [pool.submit(copy_context().run, alone, item) for item in items]
+    def take_one() -> None:
         try:
-            return [each.result() for each in waiting]
+            place, item = left.popleft()
+        except IndexError:
+            # Another one was faster.
+            return
+        found[place] = work(item)
+
+    def help_out() -> None:
+        try:
+            while left:
+                take_one()
         except BaseException:
-            # After an interrupt only what is already running is waited for.
-            for each in waiting:
-                each.cancel()
+            left.clear()
             raise
+        finally:
+            helpers.free.release()
+
+    try:
+        while left:
+            if len(left) > 1 and helpers.free.acquire(blocking=False):
+                # A thread has a context of its own: without this one's, numpy would warn there of
+                # what is to be passed over here.
+                called.append(helpers.threads.submit(copy_context().run, help_out))
+            take_one()
+        _wait_for(called, helpers)
+    except BaseException:
+        # After an interrupt only what is already running is waited for.
+        left.clear()
+        wait(called)
+        raise
+    return [found[place] for place in range(len(items))]
+
+
+def _wait_for(called: list[Future[None]], helpers: _Helpers) -> None:
+    """Wait for those who help, who may be helped meanwhile.
+
+    Raises
+    ------
+    BaseException
+        Whatever their work has raised.
+    """
+    if any(not each.done() for each in called):
+        helpers.free.release()
+        wait(called)
+        helpers.free.acquire()
+    for each in called:
+        each.result()

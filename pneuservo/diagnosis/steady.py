@@ -7,6 +7,7 @@ import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem
+from pneuservo.diagnosis.side_by_side import side_by_side
 
 _STEP = 1e-4
 """Step of a difference, in units of the unknown's typical size."""
@@ -89,10 +90,14 @@ class SteadySensitivity:
         if columns:
             here = self._problem.cost_vector(vector)
             _, high = self._problem.bounds
-            for column in columns:
+
+            def slope(column: int) -> Array:
                 moved = vector.copy()
                 step = _STEP if moved[column] + _STEP <= high[column] else -_STEP
                 moved[column] += step
-                self._matrix[:, column] = (self._problem.cost_vector(moved) - here) / step
+                return (self._problem.cost_vector(moved) - here) / step
+
+            for column, found in zip(columns, side_by_side(slope, columns), strict=True):
+                self._matrix[:, column] = found
                 self._worked_out_at[column] = vector[column]
         return self._matrix.copy()

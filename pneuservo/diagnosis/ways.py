@@ -37,8 +37,7 @@ def unlikeliness_in(
     list of dict of int to float
         Of each way, by identity of the recording: twice the negative log-likelihood.
     """
-    excused = [best_excused(model, way, known) for way, known in zip(ways, values, strict=True)]
-    return unlikeliness_as_followed(model, excused, values)
+    return unlikeliness_as_followed(model, all_excused(model, ways, values), values)
 
 
 def unlikeliness_as_followed(
@@ -122,6 +121,20 @@ def best_excused(model: Model, cases: Cases, values: Sequence[Values]) -> list[C
     """
     trusts = model.excused(cases)
     return likeliest_of_ways(model, trusts, [values] * len(trusts))
+
+
+def all_excused(
+    model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
+) -> list[list[Case]]:
+    """Return recordings in each of some ways with the trust that suits each best, `best_excused`.
+
+    Parameters
+    ----------
+    model, ways, values
+        As for `unlikeliness_in`.
+    """
+    each = list(zip(ways, values, strict=True))
+    return side_by_side(lambda one: best_excused(model, *one), each)
 
 
 def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None) -> list[Fit]:
