@@ -1,6 +1,6 @@
 """Mains hum in what a model leaves of a recording: a line that no physics has."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -86,71 +86,88 @@ def hum_in(residuals: Sequence[Array], shares: Sequence[Array], time: Array) -> 
     (True, False)
     """
     found = [np.zeros(len(time)) for _ in residuals]
-    highest = _HIGHEST / float(np.median(np.diff(time)))
-    tried = [
-        mains + off
-        for mains in MAINS
-        if mains + OFF_NOMINAL < highest
-        for off in np.arange(-OFF_NOMINAL, OFF_NOMINAL + 0.5 * _STEP, _STEP)
+    heard = [
+        place
+        for place, (left, share) in enumerate(zip(residuals, shares, strict=True))
+        if np.any(left) and np.mean(share > 0.0) >= _LEAST_SEEN
     ]
-    if not tried:
+    highest = _HIGHEST / float(np.median(np.diff(time)))
+    nominal = [mains for mains in MAINS if mains + OFF_NOMINAL < highest]
+    if not heard or not nominal:
         return found
-    beside = [_powers_beside(r, time) for r in residuals]
-
-    def lines(mains: float) -> list[list[tuple[float, Array]]]:
-        """Return how each harmonic stands out of each channel, and its line there."""
-        harmonics = [k * mains for k in HARMONICS if k * mains < highest]
-        waves = [_waves(time, frequency) for frequency in harmonics]
-        return [
-            [
-                _standing_out(residual, share, wave, frequency, floor)
-                for wave, frequency in zip(waves, harmonics, strict=True)
-            ]
-            for residual, share, floor in zip(residuals, shares, beside, strict=True)
-        ]
-
-    best = max((lines(mains) for mains in tried), key=_strength)
-    for place, channel in enumerate(best):
-        for ratio, line in channel:
+    left, share = (np.array([each[place] for place in heard]).T for each in (residuals, shares))
+    off = np.arange(-OFF_NOMINAL, OFF_NOMINAL + 0.5 * _STEP, _STEP)
+    tried = [[k * (mains + o) for k in HARMONICS] for mains in nominal for o in off]
+    harmonics = [np.array([f for f in multiples if f < highest]) for multiples in tried]
+    floors = [_floors(each, time) for each in left.T]
+    standing = [_standing_out(left, share, frequencies, time, floors) for frequencies in harmonics]
+    best = max(range(len(tried)), key=lambda n: float(np.sum(standing[n])))
+    lines = _lines(left, share, _waves(time, harmonics[best]))
+    for channel, place in enumerate(heard):
+        for ratio, waves in zip(standing[best][:, channel], lines, strict=True):
             if ratio > LINE:
-                found[place] += line
+                found[place] += waves[:, channel]
     return found
 
 
-def _strength(lines: Sequence[Sequence[tuple[float, Array]]]) -> float:
-    return sum(ratio for channel in lines for ratio, _ in channel)
+def _waves(time: Array, frequencies: Array) -> Array:
+    """Return cosine and sine of some frequencies, (2, m, n)."""
+    angle = 2.0 * np.pi * frequencies[:, np.newaxis] * time
+    return np.stack([np.cos(angle), np.sin(angle)])
 
 
-def _waves(time: Array, frequency: float) -> Array:
-    angle = 2.0 * np.pi * frequency * time
-    return np.column_stack([np.cos(angle), np.sin(angle)])
+def _floors(residual: Array, time: Array) -> Callable[[float], float]:
+    """Return a function that gives what a line of some frequency has to stand out of.
 
-
-def _powers_beside(residual: Array, time: Array) -> tuple[Array, Array]:
-    """Return frequencies, and the power at each as what a line of one degree of freedom takes."""
-    step = float(np.median(np.diff(time)))
+    As what a line of one degree of freedom takes; 0 where nothing is beside it.
+    """
+    bins = np.fft.rfftfreq(len(residual), float(np.median(np.diff(time))))
     power = np.abs(np.fft.rfft(residual)) ** 2 / len(residual)
-    return np.asarray(np.fft.rfftfreq(len(residual), step)), np.asarray(power)
+    near, far = _BESIDE
+
+    def floor(frequency: float) -> float:
+        below = np.searchsorted(bins, frequency - far, "right")
+        above = np.searchsorted(bins, frequency + far, "left")
+        line = np.searchsorted(bins, (frequency - near, np.nextafter(frequency + near, np.inf)))
+        around = np.concatenate([power[below : line[0]], power[line[1] : above]])
+        # A short recording has nothing beside a line.
+        if not len(around):
+            return 0.0
+        return max(float(np.mean(around)), float(np.max(around)) * ALONE / LINE)
+
+    return floor
+
+
+def _sizes(left: Array, share: Array, waves: Array) -> tuple[Array, Array]:
+    """Return sizes of cosine and sine in each channel by least squares, and what they explain.
+
+    (m, c, 2) and (m, c) of m frequencies and c channels.
+    """
+    along = np.moveaxis(waves @ (share * left), 0, -1)
+    cosine, sine = waves
+    even, odd = (cosine * cosine) @ share**2, (cosine * sine) @ share**2
+    squares = np.array([[even, odd], [odd, np.sum(share**2, axis=0) - even]])
+    # On samples that are missing in a pattern sine and cosine may be the same wave.
+    inverse = np.linalg.pinv(np.moveaxis(squares, (0, 1), (-2, -1)), rcond=1e-9, hermitian=True)
+    sizes = (inverse @ along[..., np.newaxis])[..., 0]
+    return sizes, np.sum(sizes * along, axis=-1)
 
 
 def _standing_out(
-    residual: Array, share: Array, waves: Array, frequency: float, beside: tuple[Array, Array]
-) -> tuple[float, Array]:
-    """Return by how much a line exceeds the power beside it, and the line itself."""
-    # Of frequencies that rise only those nearby are looked at: this is done a thousand times.
-    ends = np.searchsorted(beside[0], (frequency - 2.0 * _BESIDE[1], frequency + 2.0 * _BESIDE[1]))
-    near = slice(*ends)
-    away = np.abs(beside[0][near] - frequency)
-    around = beside[1][near][(away > _BESIDE[0]) & (away < _BESIDE[1])]
-    # A short recording has nothing beside a line.
-    floor = (
-        max(float(np.mean(around)), float(np.max(around)) * ALONE / LINE) if len(around) else 0.0
-    )
-    there = float(np.mean(share > 0.0))
-    if not floor > 0.0 or there < _LEAST_SEEN:
-        return 0.0, np.zeros(len(waves))
-    seen = waves * share[:, np.newaxis]
-    # On samples that are missing in a pattern sine and cosine may be the same wave.
-    along = seen.T @ residual
-    size = np.linalg.lstsq(seen.T @ seen, along, rcond=1e-9)[0]
-    return 0.5 * float(size @ along) * there / floor, waves @ size
+    left: Array,
+    share: Array,
+    frequencies: Array,
+    time: Array,
+    floors: Sequence[Callable[[float], float]],
+) -> Array:
+    """Return by how much each line exceeds the power beside it in each channel, (m, c)."""
+    _, energy = _sizes(left, share, _waves(time, frequencies))
+    floor = np.array([[of_channel(f) for of_channel in floors] for f in frequencies])
+    there = np.mean(share > 0.0, axis=0)
+    return np.divide(0.5 * energy * there, floor, out=np.zeros_like(energy), where=floor > 0.0)
+
+
+def _lines(left: Array, share: Array, waves: Array) -> Array:
+    """Return the line of each frequency in each channel, (m, n, c)."""
+    sizes, _ = _sizes(left, share, waves)
+    return np.asarray(np.moveaxis(waves, 0, -1) @ np.moveaxis(sizes, 1, 2))
