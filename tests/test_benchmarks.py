@@ -70,7 +70,8 @@ def test_startup_row():
 
 
 def test_rows_of_a_diagnosis_add_up():
-    whole, observer, ratio, *parts = diagnosis_rows(0.5, 1)
+    whole, wall, observer, ratio, *parts = diagnosis_rows(0.5, 1)
+    assert wall.value > 0.0
     assert "leakage.chamber-a" in whole.note
     # Every part was recognised in what the diagnosis says it is doing, and took some time.
     assert len(parts) == 7
