@@ -20,6 +20,7 @@ from pneuservo.diagnosis.models.model import Misfit
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES, Search
 from pneuservo.diagnosis.side_by_side import at_a_time, side_by_side
+from pneuservo.diagnosis.strained import are_many_strained
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
 from pneuservo.effects import CATALOGUE
 from pneuservo.errors import InputError
@@ -327,6 +328,8 @@ def _speaks_against(search: Search, held_back: HeldBack, found: Unexplained) -> 
     # Whatever a table explains: it can follow what no law would.
     if held_back.are_predicted_worse(beside, found.fit, table=found.table):
         return "what was held back is predicted worse with it"
+    if are_many_strained(found.fit):
+        return "it strains many parameters of the rig: they make up for something else"
     judged = search.are_judged(found.fit)
     if not judged and search.gained_where_judged(beside, found.fit) < found.table.least_gain:
         return UNKNOWN_BETWEEN_SAMPLES

@@ -48,6 +48,18 @@ def is_strained(base: Fit) -> bool:
     return bool(np.any(np.abs(base.distance) > STRAINED))
 
 
+def are_many_strained(found: Fit) -> bool:
+    """Return whether so many parameters of the rig are strained that they make up for something.
+
+    Parameters
+    ----------
+    found : Fit
+        With all that was found.
+    """
+    strained = [name for name, away in _from_nominal(found).items() if away > STRAINED]
+    return len(strained) >= MANY_WRONG
+
+
 def far_out(base: Fit) -> list[str]:
     """Return the parameters that would be worth a name if nothing else had strained them.
 

@@ -1,10 +1,14 @@
 """Parameters of the servo that are strained for want of an effect do not hide it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
+import pytest
 from servo_recordings import recorded
 
 from pneuservo.controllers import Proportional, SlidingMode
+from pneuservo.diagnosis.diagnosis import _speaks_against
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.screen import LEAST_PROMISE, promising
 from pneuservo.diagnosis.search import Search
@@ -39,3 +43,22 @@ def test_a_weak_motor_strains_the_spool_and_shows_from_its_nominal_frequency():
 def test_without_effect_nothing_is_strained():
     search, _ = begun({})
     assert not is_strained(search.baseline)
+
+
+@pytest.mark.parametrize(
+    ("distances", "is_said"),
+    # The force at a zero is no parameter of the rig.
+    [((3.5, -4.0, 11.0, 0.0), True), ((3.5, -4.0, 2.5, 9.0), False)],
+)
+def test_what_strains_many_parameters_is_no_answer(distances, is_said):
+    parameters = ("supply.pressure", "load.mass", "piston.stroke")
+    fit = SimpleNamespace(
+        tolerated=(*parameters, "zero_force"),
+        shared=dict.fromkeys(parameters, 1.0),
+        distance=np.array(distances),
+    )
+    search = SimpleNamespace(baseline=None, chosen=None, are_judged=lambda fit: True)
+    held_back = SimpleNamespace(are_predicted_worse=lambda *fits, table: False)
+    found = SimpleNamespace(fit=fit, table=None, instead=False)
+    why = _speaks_against(search, held_back, found)
+    assert ("strains many parameters" in why) == is_said
