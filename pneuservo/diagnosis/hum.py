@@ -100,13 +100,24 @@ def hum_in(residuals: Sequence[Array], shares: Sequence[Array], time: Array) -> 
     tried = [[k * (mains + o) for k in HARMONICS] for mains in nominal for o in off]
     harmonics = [np.array([f for f in multiples if f < highest]) for multiples in tried]
     floors = [_floors(each, time) for each in left.T]
-    standing = [_standing_out(left, share, frequencies, time, floors) for frequencies in harmonics]
+    # What no frequency changes is worked out once: a hundred are tried.
+    seen, weights, there = share * left, share**2, np.mean(share > 0.0, axis=0)
+
+    def standing_out(frequencies: Array) -> Array:
+        """Return by how much each line exceeds the power beside it in each channel, (m, c)."""
+        _, energy = _sizes(seen, weights, _waves(time, frequencies))
+        floor = np.array([[of_channel(f) for of_channel in floors] for f in frequencies])
+        return np.divide(0.5 * energy * there, floor, out=np.zeros_like(energy), where=floor > 0.0)
+
+    standing = [standing_out(frequencies) for frequencies in harmonics]
     best = max(range(len(tried)), key=lambda n: float(np.sum(standing[n])))
-    lines = _lines(left, share, _waves(time, harmonics[best]))
+    waves = _waves(time, harmonics[best])
+    sizes, _ = _sizes(seen, weights, waves)
+    lines = np.moveaxis(waves, 0, -1) @ np.moveaxis(sizes, 1, 2)
     for channel, place in enumerate(heard):
-        for ratio, waves in zip(standing[best][:, channel], lines, strict=True):
+        for ratio, line in zip(standing[best][:, channel], lines, strict=True):
             if ratio > LINE:
-                found[place] += waves[:, channel]
+                found[place] += line[:, channel]
     return found
 
 
@@ -138,36 +149,16 @@ def _floors(residual: Array, time: Array) -> Callable[[float], float]:
     return floor
 
 
-def _sizes(left: Array, share: Array, waves: Array) -> tuple[Array, Array]:
+def _sizes(seen: Array, weights: Array, waves: Array) -> tuple[Array, Array]:
     """Return sizes of cosine and sine in each channel by least squares, and what they explain.
 
     (m, c, 2) and (m, c) of m frequencies and c channels.
     """
-    along = np.moveaxis(waves @ (share * left), 0, -1)
+    along = np.moveaxis(waves @ seen, 0, -1)
     cosine, sine = waves
-    even, odd = (cosine * cosine) @ share**2, (cosine * sine) @ share**2
-    squares = np.array([[even, odd], [odd, np.sum(share**2, axis=0) - even]])
+    even, odd = (cosine * cosine) @ weights, (cosine * sine) @ weights
+    squares = np.array([[even, odd], [odd, np.sum(weights, axis=0) - even]])
     # On samples that are missing in a pattern sine and cosine may be the same wave.
     inverse = np.linalg.pinv(np.moveaxis(squares, (0, 1), (-2, -1)), rcond=1e-9, hermitian=True)
     sizes = (inverse @ along[..., np.newaxis])[..., 0]
     return sizes, np.sum(sizes * along, axis=-1)
-
-
-def _standing_out(
-    left: Array,
-    share: Array,
-    frequencies: Array,
-    time: Array,
-    floors: Sequence[Callable[[float], float]],
-) -> Array:
-    """Return by how much each line exceeds the power beside it in each channel, (m, c)."""
-    _, energy = _sizes(left, share, _waves(time, frequencies))
-    floor = np.array([[of_channel(f) for of_channel in floors] for f in frequencies])
-    there = np.mean(share > 0.0, axis=0)
-    return np.divide(0.5 * energy * there, floor, out=np.zeros_like(energy), where=floor > 0.0)
-
-
-def _lines(left: Array, share: Array, waves: Array) -> Array:
-    """Return the line of each frequency in each channel, (m, n, c)."""
-    sizes, _ = _sizes(left, share, waves)
-    return np.asarray(np.moveaxis(waves, 0, -1) @ np.moveaxis(sizes, 1, 2))

@@ -155,8 +155,6 @@ def scores(
         counts = partial(_adds, left=left) if name in one_sided else None
         return most_gained(spans_beyond(base, signatures[name], counts), left)
 
-    # Worked out here, and not by two threads at once.
-    _ = base.absorbed
     return dict(zip(names, side_by_side(score, names), strict=True))
 
 
