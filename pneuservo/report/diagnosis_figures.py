@@ -268,7 +268,6 @@ def _rivals(axes: Any, diagnosis: Diagnosis, alone: Mapping[str, float]) -> None
     if max(left) >= _CLOSE * noise:
         # Closer together the marks of a logarithmic axis would lie on top of each other.
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter("{x:g}")
     axes.set_ylim(-0.6, places[0] + 0.6)
     axes.set_xlabel(f"left over, root mean square [{unit}]")
     axes.grid(axis="y", visible=False)

@@ -62,6 +62,12 @@ def draw(
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots(*shape, squeeze=False, height_ratios=ratios).ravel().tolist()
         paint(axes[0] if len(axes) == 1 else axes, *content)
+        for each in figure.axes:
+            for axis in (each.xaxis, each.yaxis):
+                if axis.get_scale() == "log":
+                    # Powers of ten as they are else would be marked up, and dollar signs are text.
+                    axis.set_major_formatter("{x:g}")
+                    axis.set_minor_formatter("")
         stream = io.StringIO()
         bare = {"Date": None, "Creator": None}
         figure.savefig(stream, format="svg", bbox_inches="tight", metadata=bare)
