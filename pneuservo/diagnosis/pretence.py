@@ -14,9 +14,9 @@ from pneuservo.diagnosis.problem import residuals_of
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import (
     Signatures,
+    gained_beyond,
     most_gained,
     signatures_of,
-    spans_beyond,
 )
 from pneuservo.diagnosis.unknowns import values_in_each
 
@@ -248,6 +248,5 @@ def _is_like(copy: _Copy, beside: Fit) -> bool:
 def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:
     first = base.counted(variants[0][:, 0])
     rest = base.beyond_refit(first)
-    spans = spans_beyond(base, variants)
-    pretended = max((most_gained(spans, left) for left in imitations), default=0.0)
+    pretended = gained_beyond(base, variants, imitations) if imitations else 0.0
     return Visibility(float(np.linalg.norm(first)), float(np.linalg.norm(rest)), pretended)

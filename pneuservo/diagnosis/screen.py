@@ -1,15 +1,13 @@
 """Which candidates are worth a fit: those whose signature the residual contains."""
 
 from collections.abc import Collection, Mapping, Sequence
-from functools import partial
 
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.side_by_side import side_by_side
-from pneuservo.diagnosis.signatures import Signatures, most_gained, spans_beyond
+from pneuservo.diagnosis.signatures import Signatures, gained_beyond
 
 WORTH_FITTING = 6
 """So many effects are fitted at each step; where there are no more, all of them."""
@@ -152,12 +150,6 @@ def scores(
     def score(name: str) -> float:
         if name not in signatures:
             return base.loosened(name.removeprefix("param."), left)
-        counts = partial(_adds, left=left) if name in one_sided else None
-        return most_gained(spans_beyond(base, signatures[name], counts), left)
+        return gained_beyond(base, signatures[name], [left], name in one_sided)
 
     return dict(zip(names, side_by_side(score, names), strict=True))
-
-
-def _adds(rest: Array, left: Array) -> bool:
-    """Return whether more of an effect, not less than none, is what is missing."""
-    return bool(rest[:, 0] @ left > 0.0 or np.linalg.lstsq(rest, left, rcond=None)[0][0] > 0.0)

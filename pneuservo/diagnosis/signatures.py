@@ -1,11 +1,11 @@
 """What each effect would change in recordings, and what of that a refit would not absorb."""
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit, orthonormal
+from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.side_by_side import side_by_side
@@ -15,6 +15,8 @@ from pneuservo.effects import Effect
 _STEP = 1e-3
 """Share of a shape parameter's range by which it is moved to see what it does."""
 _RUNAWAY = 1e9
+_NOTHING = 1e-12
+"""Share of a sum of squares that is its rounding."""
 
 Signatures = Mapping[str, Sequence[Array]]
 """Effect id to what it changes in all residuals, one array of columns per combination of starts."""
@@ -48,10 +50,10 @@ def signatures_of(
     return {effect.id: variants for effect, variants in zip(effects, found, strict=True)}
 
 
-def spans_beyond(
-    base: Fit, variants: Sequence[Array], counts: Callable[[Array], bool] | None = None
-) -> list[Array]:
-    """Return orthonormal bases of what of a signature a refit does not absorb.
+def gained_beyond(
+    base: Fit, variants: Sequence[Array], left: Sequence[Array], one_sided: bool = False
+) -> float:
+    """Return the most that a signature explains beyond what a refit absorbs.
 
     Parameters
     ----------
@@ -59,22 +61,53 @@ def spans_beyond(
         What it would be added to; its weights count.
     variants : sequence of (n, k) array
         One signature from several starts.
-    counts : callable, optional
-        Takes what a refit leaves of a variant, and returns whether the variant is to be counted.
+    left : sequence of (n + t,) array
+        Weighted residuals beyond a refit, see `Fit.beyond_refit`: what is left of a recording, or
+        of several copies of it.
+    one_sided : bool, optional
+        Whether a variant counts only where more of the effect is missing, not less than none.
+
+    Returns
+    -------
+    float
+        Largest drop of the sum of squares, of any variant and of any of what is left.
+
+    Notes
+    -----
+    By products with the columns as they are: what a refit leaves of each is as large as all of
+    them, and would have to be made and read.
     """
-    spans = []
-    # All at once: what a refit absorbs is far larger than any of them, and would be read for each.
     together = base.counted(np.hstack(variants))
     ends = np.cumsum([variant.shape[1] for variant in variants])[:-1]
-    split = (np.split(each, ends, axis=1) for each in (together, base.beyond_refit(together)))
-    for columns, rest in zip(*split, strict=True):
-        if counts is not None and not counts(rest):
-            continue
-        whole = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
-        kept = np.linalg.norm(rest, axis=0) > 1e-6 * whole
-        if kept.any():
-            spans.append(orthonormal(rest[:, kept]))
-    return spans
+    absorbed, missed = base.absorbed.T[:, : base.samples] @ together, np.column_stack(left)
+    toward = together.T @ missed[: base.samples] - absorbed.T @ (base.absorbed.T @ missed)
+    split = (np.split(together, ends, axis=1), np.split(absorbed, ends, axis=1))
+    most = 0.0
+    for columns, inside, along in zip(*split, np.split(toward, ends), strict=True):
+        whole = columns.T @ columns
+        beyond = whole - inside.T @ inside
+        kept = np.diag(beyond) > _NOTHING * np.diag(whole)
+        if kept[0] or (kept.any() and not one_sided):
+            drops, adds = _drops(beyond[np.ix_(kept, kept)], along[kept])
+            most = max(most, float(np.max(drops[adds] if one_sided else drops, initial=0.0)))
+    return most
+
+
+def _drops(products: Array, along: Array) -> tuple[Array, Array]:
+    """Return what columns explain of some residuals, and whether that takes more of the first.
+
+    Parameters
+    ----------
+    products : (k, k) array
+        Of the columns with each other.
+    along : (k, m) array
+        Of the columns with the residuals.
+    """
+    sizes = np.sqrt(np.diag(products))
+    inverse = np.linalg.pinv(products / np.outer(sizes, sizes), rcond=_NOTHING, hermitian=True)
+    alone = along / sizes[:, np.newaxis]
+    steps = inverse @ alone
+    return np.sum(alone * steps, axis=0), (along[0] > 0.0) | (steps[0] > 0.0)
 
 
 def most_gained(spans: Sequence[Array], left: Array) -> float:

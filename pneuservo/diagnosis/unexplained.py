@@ -10,7 +10,7 @@ from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table
 from pneuservo.diagnosis.side_by_side import side_by_side
-from pneuservo.diagnosis.signatures import most_gained, spans_beyond
+from pneuservo.diagnosis.signatures import gained_beyond
 from pneuservo.diagnosis.tabulated import (
     Tabulated,
     beside_table,
@@ -239,7 +239,7 @@ def _best(
         lambda each: each.changes(base, coarse_shapes(len(each.table.knots))), placed
     )
     for each, columns in zip(placed, roughly, strict=True):
-        promised = [most_gained(spans_beyond(side, [columns]), left) for side, left in sides]
+        promised = [gained_beyond(side, [columns], [left]) for side, left in sides]
         promise.append((max(promised), each))
     promise.sort(key=lambda each: each[0], reverse=True)
     worth_fitting = [
@@ -261,8 +261,8 @@ def _fitted(tabulated: Tabulated, base: Fit, columns: Array, copies: Copies) -> 
     table = tabulated.table
     found, steps, moved = tabulated.fitted(base, columns)
     weighed, gain = base.in_weights(found.scale), explained(base, found)
-    spans = spans_beyond(weighed, [columns])
-    pretended = max((most_gained(spans, copy) for copy in copies(weighed)), default=0.0)
+    made = copies(weighed)
+    pretended = gained_beyond(weighed, [columns], made) if made else 0.0
     if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
         return None
     values = table.step * steps

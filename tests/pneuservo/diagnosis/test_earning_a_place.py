@@ -1,6 +1,7 @@
 """What an effect has to explain beside others, and which candidates promise anything."""
 
 import math
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,11 +10,13 @@ import pytest
 from pneuservo.diagnosis import hypotheses, rivals
 from pneuservo.diagnosis import search as search_module
 from pneuservo.diagnosis.by_gain import ByGain
+from pneuservo.diagnosis.fit import orthonormal
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_DISTANCE, LEAST_GAIN, SECOND_SHARE
-from pneuservo.diagnosis.screen import _adds, within_reach
+from pneuservo.diagnosis.screen import within_reach
 from pneuservo.diagnosis.search import Search
+from pneuservo.diagnosis.signatures import gained_beyond
 from pneuservo.diagnosis.starts import Begin
 from pneuservo.effects import effect_by_id, effects_of
 
@@ -265,15 +268,63 @@ def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, 
     assert fitted[1:] == list(promises)
 
 
+@dataclass
+class Absorbing:
+    """Stands in for a fit of two parameters to a thousand residuals, one with a tolerance."""
+
+    absorbed: np.ndarray
+    samples: int = 1000
+
+    def counted(self, changes):
+        return changes
+
+
+@pytest.fixture
+def absorbing():
+    return Absorbing(orthonormal(np.random.default_rng(2).standard_normal((1001, 2))))
+
+
+def test_a_signature_explains_what_it_holds_beyond_a_refit(absorbing):
+    rng = np.random.default_rng(3)
+    variants, left = (
+        [rng.standard_normal((1000, k)) for k in (3, 1)],
+        rng.standard_normal((1001, 2)),
+    )
+    # A column that a refit absorbs but for a tolerance, and one that is another once more.
+    variants[0][:, 2] = 1e3 * absorbing.absorbed[:-1, 0]
+    variants[1] = np.column_stack([variants[1], 2.0 * variants[1]])
+    left -= absorbing.absorbed @ (absorbing.absorbed.T @ left)
+    most = 0.0
+    for columns in variants:
+        whole = np.vstack([columns, np.zeros(columns.shape[1])])
+        rest = whole - absorbing.absorbed @ (absorbing.absorbed.T @ whole)
+        fitted = rest @ np.linalg.lstsq(rest, left, rcond=1e-9)[0]
+        most = max(most, *np.sum(fitted**2, axis=0))
+    assert gained_beyond(absorbing, variants, list(left.T)) == pytest.approx(most, rel=1e-9)
+
+
+def test_what_a_refit_absorbs_promises_nothing():
+    direction = orthonormal(np.random.default_rng(4).standard_normal((1000, 1)))
+    left = np.random.default_rng(5).standard_normal(1000)
+    left -= direction[:, 0] * (direction[:, 0] @ left)
+    assert gained_beyond(Absorbing(direction), [7.0 * direction], [left]) == 0.0
+
+
 def test_less_than_none_of_an_effect_promises_nothing():
     rng = np.random.default_rng(1)
     signature, shape = rng.standard_normal((2, 1000))
-    assert _adds(signature[:, np.newaxis], 0.5 * signature)
-    assert not _adds(signature[:, np.newaxis], -0.5 * signature)
+    base = Absorbing(np.zeros((1000, 0)))
+
+    def adds(columns, left):
+        assert gained_beyond(base, [columns], [left]) > 0.0
+        return gained_beyond(base, [columns], [left], one_sided=True) > 0.0
+
+    assert adds(signature[:, np.newaxis], 0.5 * signature)
+    assert not adds(signature[:, np.newaxis], -0.5 * signature)
     # Of two columns together the size is what counts.
     both = np.column_stack([signature, signature + 0.1 * shape])
-    assert _adds(both, signature - 2.0 * both[:, 1])
-    assert not _adds(both, -signature)
+    assert adds(both, signature - 2.0 * both[:, 1])
+    assert not adds(both, -signature)
 
 
 def gained(before, after, best=None):
