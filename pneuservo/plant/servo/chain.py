@@ -9,7 +9,7 @@ from pneuservo.plant.control_law import (
     unlimited_output,
 )
 from pneuservo.plant.piston import acceleration
-from pneuservo.plant.servo.compilation import compiled, compiled_apart
+from pneuservo.plant.servo.compilation import compiled
 from pneuservo.plant.servo.drive import delayed_command, given
 from pneuservo.plant.servo.layout import (
     COMMAND,
@@ -125,7 +125,7 @@ def moving_reading(state, second, drive, elapsed, servo):
     return displacement, velocity, second
 
 
-@compiled_apart
+@compiled
 def surface(state, modes, memory, drive, elapsed, servo):
     """Return the switching function of the law, in its own unit.
 

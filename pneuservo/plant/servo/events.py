@@ -45,7 +45,7 @@ def spool_margin(state, modes, memory, rows, drive, elapsed, servo):
     return pulled - end
 
 
-@compiled_apart
+@compiled
 def margin(state, modes, memory, rows, drive, elapsed, servo):
     """Return how far the state is from the next event: negative once one has happened.
 
@@ -61,6 +61,18 @@ def margin(state, modes, memory, rows, drive, elapsed, servo):
         value = surface(state, modes, memory, drive, elapsed, servo)
         least = min(least, modes[RELAY_SIGN] * value)
     return least
+
+
+@compiled_apart
+def margin_apart(state, modes, memory, rows, drive, elapsed, servo):
+    """Return what `margin` does, where it is seldom asked for.
+
+    Parameters
+    ----------
+    state, modes, memory, rows, drive, elapsed, servo
+        As in `pneuservo.plant.servo.chain.derivative`.
+    """
+    return margin(state, modes, memory, rows, drive, elapsed, servo)
 
 
 @compiled_apart

@@ -17,7 +17,7 @@ from pneuservo.plant.servo.chain import commanded_voltage, derivative, heard, su
 from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled_whole
 from pneuservo.plant.servo.drift import drifted
 from pneuservo.plant.servo.drive import given
-from pneuservo.plant.servo.events import margin, motion_at_start, settle
+from pneuservo.plant.servo.events import margin, margin_apart, motion_at_start, settle
 from pneuservo.plant.servo.layout import (
     DISPLACEMENT_NOISE,
     FLOW_A_OUT,
@@ -153,7 +153,7 @@ def advance(state, start, end, modes, memory, rows, drive, servo, grid, work, re
                     return
                 locating, trials, kept = True, 0, 0
                 before, after, margin_after = 0.0, trial, found
-                margin_before = margin(state, modes, memory, rows, drive, elapsed, servo)
+                margin_before = margin_apart(state, modes, memory, rows, drive, elapsed, servo)
             elif found < 0.0:
                 after, margin_after = trial, found
                 if kept == -1:

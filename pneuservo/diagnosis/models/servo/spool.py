@@ -71,7 +71,7 @@ def arriving(time, command, latest, moment):
     return command[k, part] + rising * (moment - began), rising, until
 
 
-@compiled_apart
+@compiled
 def move_spool(state, memory, time, command, latest, since, until, share, servo):
     """Move the spool from one moment of a sampling interval to another.
 
@@ -167,12 +167,12 @@ def follow_spool(time, command, steps, opening, servo):
         for j in range(steps[k]):
             since = time[k] + j * step
             until = since + step
-            write_move(moves, place, state, memory, time, command, k, since, until, 0.0, servo)
+            _write_move(moves, place, state, memory, time, command, k, since, until, 0.0, servo)
             place += 1
     return moves
 
 
-@compiled
+@compiled_apart
 def write_move(moves, place, state, memory, time, command, latest, since, until, share, servo):
     """Move the spool as `move_spool` does, and write how it moved.
 
@@ -185,6 +185,11 @@ def write_move(moves, place, state, memory, time, command, latest, since, until,
     state, memory, time, command, latest, since, until, share, servo
         As in `move_spool`.
     """
+    _write_move(moves, place, state, memory, time, command, latest, since, until, share, servo)
+
+
+@compiled
+def _write_move(moves, place, state, memory, time, command, latest, since, until, share, servo):
     opened, crossed, opened_before = move_spool(
         state, memory, time, command, latest, since, until, share, servo
     )
