@@ -29,6 +29,18 @@ _READING = (float(DISPLACEMENT_GAIN), float(REFERENCE))
 """What changes how a displacement is read."""
 
 
+def drift_of(effects: ServoEffects) -> Table | None:
+    """Return the table of what drifts, if anything does.
+
+    Parameters
+    ----------
+    effects : ServoEffects
+        All effects of the servo.
+    """
+    table = effects.unexplained_drift
+    return None if table.high == table.low else table
+
+
 @compiled
 def drifted(servo, time):
     """Return the servo as it is at a moment.
@@ -40,8 +52,23 @@ def drifted(servo, time):
     time : float
         Since the start of the run [s].
     """
-    table = servo.effects.unexplained_drift
-    if table.high == table.low:
+    return drifted_by(servo, servo.effects.unexplained_drift, time)
+
+
+@compiled
+def drifted_by(servo, table, time):
+    """Return the servo as a drift has left it at a moment.
+
+    Parameters
+    ----------
+    servo : Servo
+        The numbers of rig, effects and law.
+    table : Table or None
+        The drift, from `drift_of`: without one a kernel is compiled to keep its servo.
+    time : float
+        Since the start of the run [s].
+    """
+    if table is None or table.high == table.low:
         return servo
     return with_factor(servo, table.over, 1.0 + between_knots(time, table))
 

@@ -211,3 +211,12 @@ def test_a_supply_that_was_not_recorded_wanders_in_the_chambers():
             without, with_it = (case.measured - model.predict(case, v) for v in ({}, known))
             assert np.std(with_it) == pytest.approx(1.0, abs=0.1)
             assert np.sum(without**2) > np.sum(with_it**2) + 50.0
+
+
+def test_a_drift_of_nothing_leaves_what_is_expected_as_it_is():
+    # Code of its own follows a servo that does not drift.
+    rig, model = load_rig("single-axis"), ServoModel()
+    nothing = {f"unexplained.drift:v{k}": 0.0 for k in range(9)}
+    nothing |= {"unexplained.drift:low": 0.0, "unexplained.drift:high": 4.0}
+    for case in model.cases(recorded(rig, SlidingMode(), 5), rig):
+        assert model.predict(case, nothing) == pytest.approx(model.predict(case, {}), abs=1e-6)

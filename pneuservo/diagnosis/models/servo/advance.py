@@ -302,7 +302,9 @@ def _fill(
     at the end, the second is what gives the mean with the others: where the spool meets the end of
     its travel, its place would not.
     """
-    for i in range(state.shape[0]):
+    started_a, started_b = state[PRESSURE_A], state[PRESSURE_B]
+    total_a = total_b = 0.0
+    for i in range(STATES_WITH_CARD, state.shape[0]):
         start[i], total[i] = state[i], 0.0
     piston, moving = servo.plant.piston, within[MOVING] == within[MOVING]
     mass = rigid_mass(piston.mass, servo.effects.load)
@@ -330,12 +332,16 @@ def _fill(
         pneumatic_rates(state, state[VELOCITY], memory, rows, drive, at, servo, grid, rate)
         within[MEAN_A] += weight / 6.0 * step * state[PRESSURE_A]
         within[MEAN_B] += weight / 6.0 * step * state[PRESSURE_B]
-        for i in range(PRESSURE_A, state.shape[0]):
-            if i < SPOOL or i >= STATES_WITH_CARD:
-                total[i] += weight / 6.0 * rate[i]
-                if stage < 3:
-                    state[i] = start[i] + (0.5 if stage < 2 else 1.0) * step * rate[i]
-    for i in range(PRESSURE_A, state.shape[0]):
-        if i < SPOOL or i >= STATES_WITH_CARD:
-            state[i] = start[i] + step * total[i]
+        total_a += weight / 6.0 * rate[PRESSURE_A]
+        total_b += weight / 6.0 * rate[PRESSURE_B]
+        onward = (0.5 if stage < 2 else 1.0) * step
+        state[PRESSURE_A] = started_a + onward * rate[PRESSURE_A]
+        state[PRESSURE_B] = started_b + onward * rate[PRESSURE_B]
+        for i in range(STATES_WITH_CARD, state.shape[0]):
+            total[i] += weight / 6.0 * rate[i]
+            state[i] = start[i] + onward * rate[i]
+    state[PRESSURE_A] = started_a + step * total_a
+    state[PRESSURE_B] = started_b + step * total_b
+    for i in range(STATES_WITH_CARD, state.shape[0]):
+        state[i] = start[i] + step * total[i]
     within[MOVING] = speed + gained

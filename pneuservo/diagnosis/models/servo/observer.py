@@ -32,7 +32,7 @@ from pneuservo.diagnosis.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.presliding import presliding_step
-from pneuservo.plant.servo.drift import drifted
+from pneuservo.plant.servo.drift import drifted_by
 from pneuservo.plant.servo.layout import (
     COMMAND,
     INPUTS,
@@ -78,7 +78,9 @@ def observe(
     gains,
     shares,
     learning,
+    drawing,
     servo,
+    drift,
     grid,
     initial_state,
     steps,
@@ -131,8 +133,13 @@ def observe(
         learning.
     learning : bool
         Whether gains and shares are worked out, on the way of this servo.
+    drawing : bool
+        Whether what is drawn from the supply is worked out: a tenth of the time goes into it.
     servo : Servo
         The numbers of rig and effects.
+    drift : Table or None
+        From `pneuservo.plant.servo.drift.drift_of`. To change the servo from sample to sample takes
+        nearly as long as all the rest.
     grid : (4, 51, 101) array
         Discharge coefficients.
     initial_state : array
@@ -152,7 +159,7 @@ def observe(
     known : (n,) array
         Standard deviation of the force that they give; zeros unless learning [N].
     drawn : (n,) array
-        Mass flow out of the supply [kg/s].
+        Mass flow out of the supply; zeros unless it was asked for [kg/s].
     at_rest : (2, n) array
         Force on a stuck piston and how much of it friction can hold; elsewhere zeros [N].
     decays : (n,) array
@@ -180,7 +187,7 @@ def observe(
     rate, total, start = np.zeros_like(state), np.zeros_like(state), np.zeros_like(state)
     drive[0, COMMAND], drive[0, SUPPLY], drive[0, TIME] = command[0, 0], supply[0], time[0]
     begin(state, modes, memory, rows, drive, servo, grid)
-    nominal, servo = servo, drifted(servo, time[0])
+    nominal, servo = servo, drifted_by(servo, drift, time[0])
     plant, effects = servo.plant, servo.effects
     piston, lag = plant.piston, effects.sensor.displacement_lag
     direction, turned = friction_direction(time, true[0], true[1], reversal, effects.friction)
@@ -226,7 +233,7 @@ def observe(
             )
         for i in range(3):
             before[i], after[i] = true[i, k], true[i, k + 1]
-        earlier, servo = effects.sensor.displacement_gain, drifted(nominal, time[k + 1])
+        earlier, servo = effects.sensor.displacement_gain, drifted_by(nominal, drift, time[k + 1])
         plant, effects = servo.plant, servo.effects
         piston, mass = plant.piston, rigid_mass(plant.piston.mass, effects.load)
         rising = (effects.sensor.displacement_gain - earlier) / interval
@@ -263,8 +270,12 @@ def observe(
             within,
         )
         place += steps[k]
-        port = supply_at_valve(state, drive, interval, servo)
-        flow_a, flow_b, drawn[k + 1] = valve_flows(state[SPOOL], state, memory, port, servo, grid)
+        missed, flow_a, flow_b = effects.sensor.static_share, 0.0, 0.0
+        if drawing or missed != 0.0:
+            port = supply_at_valve(state, drive, interval, servo)
+            flow_a, flow_b, drawn[k + 1] = valve_flows(
+                state[SPOOL], state, memory, port, servo, grid
+            )
         felt += (after[1] - felt) * followed(interval, effects.friction.lag)
         now = push(
             time[k + 1],
@@ -300,7 +311,6 @@ def observe(
             break
         error[0] = readings[0, k + 1] - state[PRESSURE_A] + within[BEHIND_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] + within[BEHIND_B] - zeros[1]
-        missed = effects.sensor.static_share
         if missed != 0.0:
             error[0] += missed * dynamic_pressure(flow_a, state[PRESSURE_A], plant.gas)
             error[1] += missed * dynamic_pressure(flow_b, state[PRESSURE_B], plant.gas)

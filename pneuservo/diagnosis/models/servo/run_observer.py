@@ -23,6 +23,7 @@ from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo.drift import (
     behind_drift,
     behind_reference,
+    drift_of,
     drifting_supply,
     gain_of_reference,
 )
@@ -138,7 +139,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
         fed, values, known, rig, fed.gains, fed.shares, learning=False
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
-    left = np.clip(np.nan_to_num(left, nan=np.inf), -farthest, farthest)
+    left = _within(left, farthest)
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
@@ -152,8 +153,12 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
     spread *= np.sqrt(fed.moments_of_rest)
     excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)
-    slipping = np.clip(excess / spread, -ASTRAY, ASTRAY)
-    return np.vstack([left, beyond, spool, np.nan_to_num(slipping, nan=ASTRAY)])
+    return np.vstack([left, beyond, spool, _within(excess / spread, ASTRAY)])
+
+
+def _within(left: Array, farthest: Array | float) -> Array:
+    """Return what is left, nowhere more than the farthest; so far where it is not a number."""
+    return np.fmax(np.fmin(left, farthest), -farthest)
 
 
 def forces_at_rest(fed: Feed, values: Values, rig: Rig) -> Array:
@@ -278,7 +283,9 @@ def _observe(
         gains,
         shares,
         learning,
+        fed.supply is not None,
         servo,
+        drift_of(effects),
         valve_grid(rig.valve),
         state,
         steps,
