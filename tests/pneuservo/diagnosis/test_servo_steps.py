@@ -41,7 +41,20 @@ def fed(request, rig):
 
 
 @pytest.mark.parametrize(
-    "values", [{}, {"chamber.heat-transfer:conductance": 0.4}, {"spool.delay:time": 5e-3}], ids=str
+    "values",
+    [
+        {},
+        {"chamber.heat-transfer:conductance": 0.4},
+        {"spool.delay:time": 5e-3},
+        {"spool.flow-force:shift": 0.02},
+        {"friction.lag:time": 2e-4},
+        {"sensor.position-lag:time": 1e-4},
+        {"load.base-motion:share": 0.3, "load.base-motion:frequency": 40.0},
+        {"line.resonance:frequency": 300.0},
+        {"supply.sag:volume": 2e-4},
+        {"load.compliance:share": 0.5, "load.compliance:stiffness": 3e6},
+    ],
+    ids=str,
 )
 def test_innovations_are_those_of_much_finer_steps(fed, rig, values):
     found = run_observer(fed, values, rig)[:3]
@@ -77,7 +90,10 @@ def test_a_recording_that_is_slow_is_carried_on_finely_after_a_jump():
     [
         ("chamber.heat-transfer", 1),
         ("spool.hysteresis", 1),
+        ("friction.lag", 1),
+        ("load.base-motion", 2),
         ("line.delay", 4),
+        ("line.resonance", 10),
         ("load.compliance", 10),
     ],
 )
@@ -86,6 +102,8 @@ def test_what_is_stiff_or_remembers_is_carried_on_in_finer_steps(effect, each):
     fields = {parameter.field for parameter in entry.parameters}
     time = np.arange(5) * 1e-3
     assert steps_beside(np.ones(5, np.int64), time, fields).tolist() == [each] * 5
+    # Never in coarser ones than the recording asks for.
+    assert steps_beside(np.full(5, 20), time, fields).tolist() == [20] * 5
 
 
 def test_steps_do_not_depend_on_how_large_an_effect_is(fed, rig):
