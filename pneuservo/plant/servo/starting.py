@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from pneuservo.plant.control_law import CARD_TAPS, ControlLaw
 from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
-from pneuservo.plant.servo.drift import drifted
+from pneuservo.plant.servo.drift import drift_of, drifted
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.load_effects import joint_at_rest, spring_force, tilt_force
 from pneuservo.plant.servo.sensor_effects import displacement_error
@@ -93,7 +93,8 @@ def servo_state(plant_state: Samples, servo: Servo, supply_pressure: float) -> S
     (6,) or (27,) array
         Gas and walls at room temperature, reservoir full, hoses, load and transducer settled.
     """
-    servo = drifted(servo, 0.0)
+    if drift_of(servo.effects):
+        servo = drifted(servo, 0.0)
     plant, effects = servo.plant, servo.effects
     if not has_own_states(effects, servo.law):
         return plant_state.copy()
