@@ -87,7 +87,8 @@ class Search(Rivals):
         base = self.baseline
         judge = self._judge(base)
         promises = self._worth_fitting(base, self._compatible([]), judge)
-        found = self._fitted_first(base, promises)
+        best = sorted(promises, key=promises.__getitem__, reverse=True)[:FITTED_FIRST]
+        found = self._fitted_with(base, {name: promises[name] for name in best})
         name, gained = best_of(base, found, judge.barred)
         return found[name] if gained > FAR else None
 

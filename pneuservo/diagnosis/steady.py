@@ -16,6 +16,8 @@ STRAYED = 0.1
 is worked out anew: that of a spool at half its frequency has nothing in common with what it began
 with."""
 _LEAST_SIZE = 0.1
+_MOVED, _LEAST_MOVING = 0.02, 0.01
+"""The same for parameters of an effect that is fitted for the first time."""
 
 
 class Known(Protocol):
@@ -54,8 +56,8 @@ class SteadySensitivity:
     Notes
     -----
     A chord method: what the rig's parameters do hardly changes with their values, so those
-    columns stay until a parameter has strayed; only the columns of an effect that `known` lacks
-    are worked out at each step.
+    columns stay until a parameter has strayed; those of an effect that `known` lacks stay only
+    while none of its own parameters moves.
     """
 
     def __init__(self, problem: Problem, known: Known | None):
@@ -86,7 +88,8 @@ class SteadySensitivity:
         far = STRAYED * np.clip(np.abs(vector), _LEAST_SIZE, 1.0)
         strayed = self._may_stray & (np.abs(vector - self._worked_out_at) > far)
         strayed |= np.isinf(self._worked_out_at)
-        columns = sorted({*np.flatnonzero(strayed).tolist(), *self._each})
+        moving = self._each if self._has_moved(vector) else []
+        columns = sorted({*np.flatnonzero(strayed).tolist(), *moving})
         if columns:
             here = self._problem.cost_vector(vector)
             _, high = self._problem.bounds
@@ -101,3 +104,9 @@ class SteadySensitivity:
                 self._matrix[:, column] = found
                 self._worked_out_at[column] = vector[column]
         return self._matrix.copy()
+
+    def _has_moved(self, vector: Array) -> bool:
+        """Return whether a parameter of an effect is not where its sensitivity was worked out."""
+        mine = vector[self._each]
+        least = _MOVED * np.clip(np.abs(mine), _LEAST_MOVING, 1.0)
+        return bool(np.any(np.abs(mine - self._worked_out_at[self._each]) > least))
