@@ -15,7 +15,6 @@ from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import (
     Signatures,
     gained_beyond,
-    most_gained,
     signatures_of,
 )
 from pneuservo.diagnosis.unknowns import values_in_each
@@ -170,7 +169,7 @@ class Pretence:
         def gained(copy: _Copy, left: Array) -> float:
             changed = beside.weigh(copy.left) - beside.weigh(self._left_of(copy.cases, values))
             beyond = beside.beyond_refit(np.clip(changed, -_RUNAWAY, _RUNAWAY))
-            return most_gained([orthonormal(beyond[:, np.newaxis])], left)
+            return _gained(orthonormal(beyond[:, np.newaxis]), left)
 
         of_each = zip(self._imitations[beside.hypothesis], left, strict=True)
         faithful = [each for each in of_each if _is_like(each[0], beside)]
@@ -218,10 +217,15 @@ class Pretence:
         scale = closer.row_scale() / beside.row_scale()
         columns = closer.sensitivities(name) * scale[:, np.newaxis]
         span = orthonormal(beside.beyond_refit(np.column_stack([change, columns])))
-        fitted = max((most_gained([span], copy) for copy in self.copies(beside)), default=0.0)
+        fitted = max((_gained(span, copy) for copy in self.copies(beside)), default=0.0)
         shown = self.visible(beside)
         usual = shown[name].pretended if name in shown else 0.0
         return max(fitted, usual, self._gained_in_copies(beside, closer))
+
+
+def _gained(span: Array, left: Array) -> float:
+    """Return by how much orthonormal columns lower the sum of squares of what is left."""
+    return float(np.sum((span.T @ left) ** 2))
 
 
 def _no_worse(left: Sequence[Array], recorded: Sequence[Array]) -> list[Array]:

@@ -110,19 +110,6 @@ def _drops(products: Array, along: Array) -> tuple[Array, Array]:
     return np.sum(alone * steps, axis=0), (along[0] > 0.0) | (steps[0] > 0.0)
 
 
-def most_gained(spans: Sequence[Array], left: Array) -> float:
-    """Return the largest drop of a sum of squares that one of several spans gives.
-
-    Parameters
-    ----------
-    spans : sequence of (n, k) array
-        Orthonormal.
-    left : (n,) array
-        What is to be explained.
-    """
-    return max((float(np.sum((span.T @ left) ** 2)) for span in spans), default=0.0)
-
-
 def _signatures(model: Model, cases: Sequence[Case], base: Fit, effect: Effect) -> list[Array]:
     found = []
     for starts in itertools.product(*model.starts(effect, cases).values()):
