@@ -7,7 +7,7 @@ from pneuservo.diagnosis.models.servo.spool import (
     ENDED,
     OPENED,
     OPENED_BEFORE,
-    write_move,
+    write_move_apart,
 )
 from pneuservo.plant.compilation import compiled_lean
 from pneuservo.plant.servo.chain import pressure_share
@@ -242,7 +242,7 @@ def _step(
     if servo.effects.spool.flow_force != 0.0:
         since, felt = time[k] + elapsed, pressure_share(state, drive, elapsed, servo)
         until = since + step
-        write_move(moves, place, state, memory, time, command, k, since, until, felt, servo)
+        write_move_apart(moves, place, state, memory, time, command, k, since, until, felt, servo)
     ended, opened = moves[place, ENDED], moves[place, OPENED]
     crossed, opened_before = moves[place, CROSSED], moves[place, OPENED_BEFORE]
     crosses = crossed < math.inf

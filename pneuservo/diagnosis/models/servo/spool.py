@@ -167,12 +167,12 @@ def follow_spool(time, command, steps, opening, servo):
         for j in range(steps[k]):
             since = time[k] + j * step
             until = since + step
-            _write_move(moves, place, state, memory, time, command, k, since, until, 0.0, servo)
+            write_move(moves, place, state, memory, time, command, k, since, until, 0.0, servo)
             place += 1
     return moves
 
 
-@compiled_apart
+@compiled
 def write_move(moves, place, state, memory, time, command, latest, since, until, share, servo):
     """Move the spool as `move_spool` does, and write how it moved.
 
@@ -185,16 +185,25 @@ def write_move(moves, place, state, memory, time, command, latest, since, until,
     state, memory, time, command, latest, since, until, share, servo
         As in `move_spool`.
     """
-    _write_move(moves, place, state, memory, time, command, latest, since, until, share, servo)
-
-
-@compiled
-def _write_move(moves, place, state, memory, time, command, latest, since, until, share, servo):
     opened, crossed, opened_before = move_spool(
         state, memory, time, command, latest, since, until, share, servo
     )
     moves[place, ENDED], moves[place, OPENED] = state[SPOOL], opened
     moves[place, CROSSED], moves[place, OPENED_BEFORE] = crossed, opened_before
+
+
+@compiled_apart
+def write_move_apart(
+    moves, place, state, memory, time, command, latest, since, until, share, servo
+):
+    """Write what `write_move` does, where it is seldom asked to.
+
+    Parameters
+    ----------
+    moves, place, state, memory, time, command, latest, since, until, share, servo
+        As in `write_move`.
+    """
+    write_move(moves, place, state, memory, time, command, latest, since, until, share, servo)
 
 
 @compiled
