@@ -1,12 +1,15 @@
 """The first name, in recordings that are read and followed as it allows."""
 
+from collections.abc import Sequence
+
 from pneuservo.diagnosis.as_found import followed_anew, unlikeliness_of
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import beyond_ridges
 from pneuservo.diagnosis.followed import likeliest_followed
+from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import AS_GOOD, TIED
 from pneuservo.diagnosis.late import likelier_if_late
-from pneuservo.diagnosis.readings import Reading, likelier_with, ranked_readings
+from pneuservo.diagnosis.readings import Reading, leaves_little, likelier_with, ranked_readings
 from pneuservo.diagnosis.search import Search
 
 
@@ -60,13 +63,22 @@ def _as_read(search: Search, guess: bool) -> Search:
         late = likelier_if_late(model, ranked, progress)
     except KeyboardInterrupt:
         return _stopped(search, ranked[0])
-    first = _begun(search, late or ranked[0], guess)
+    first = _followed(search, late or ranked[0])
+    asked = None
+    if guess and not late:
+        asked, turned = _turned_by_guess(first, ranked)
+        if turned:
+            return turned
+    if not first.interrupted:
+        first.begin(guess)
     if late and not first.accepted and not first.interrupted:
         late, first = None, _begun(search, ranked[0], guess)
     if first.interrupted or not first.accepted:
         return first
     if late:
         ranked = [late, *(reading for reading in ranked if reading is not late)]
+    if first.chosen.hypothesis == asked:
+        return first
     try:
         other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
         if other is None:
@@ -81,8 +93,41 @@ def _as_read(search: Search, guess: bool) -> Search:
     return first
 
 
+def _turned_by_guess(
+    first: Search, ranked: Sequence[Reading]
+) -> tuple[Hypothesis | None, Search | None]:
+    """Return what was asked for, and a search begun in the reading that it makes likelier, if any.
+
+    What explains nearly everything need not have been held against its rivals to turn them: in the
+    other way it will be. Where nothing earns its place there the search goes on in the first.
+    """
+    if first.interrupted or len(ranked) == 1 or not first.model.steady:
+        return None, None
+    try:
+        guess = first.first_guess()
+        if guess is None or not leaves_little(guess):
+            return None, None
+        other = likelier_with(first.model, ranked, first.baseline, guess, first.progress)
+        if other is None:
+            return guess.hypothesis, None
+        second = _begun(first, other, guess=True)
+    except KeyboardInterrupt:
+        first.interrupted = True
+        return None, None
+    first.interrupted = second.interrupted
+    return guess.hypothesis, second if second.accepted else None
+
+
 def _begun(search: Search, reading: Reading, guess: bool) -> Search:
     """Return a search in recordings as they are read and best followed, begun."""
+    begun = _followed(search, reading)
+    if not begun.interrupted:
+        begun.begin(guess)
+    return begun
+
+
+def _followed(search: Search, reading: Reading) -> Search:
+    """Return a search in recordings as they are read and best followed."""
     model = search.model
     try:
         cases, baseline = likeliest_followed(
@@ -90,17 +135,16 @@ def _begun(search: Search, reading: Reading, guess: bool) -> Search:
         )
     except KeyboardInterrupt:
         return _stopped(search, reading)
-    begun = Search(model, cases, search.progress, search.seed)
+    found = Search(model, cases, search.progress, search.seed)
     if baseline is not None:
-        begun.fits[baseline.hypothesis] = baseline
+        found.fits[baseline.hypothesis] = baseline
         try:
             closer = beyond_ridges(model, cases, baseline)
         except KeyboardInterrupt:
-            begun.interrupted = True
-            return begun
-        begun.fits[closer.hypothesis] = closer
-    begun.begin(guess)
-    return begun
+            found.interrupted = True
+            return found
+        found.fits[closer.hypothesis] = closer
+    return found
 
 
 def _stopped(search: Search, reading: Reading) -> Search:

@@ -40,6 +40,7 @@ def fit(
     fixed: Values | None = None,
     reference: Case | None = None,
     begin: Begin = Begin.ANYWHERE,
+    elsewhere: Fit | None = None,
 ) -> Fit:
     """Fit a hypothesis to recordings by simulating them.
 
@@ -59,6 +60,9 @@ def fit(
         The recording that `fixed` is stated for; the first one where it is not given.
     begin : Begin, optional
         From where, if there is such a fit.
+    elsewhere : Fit, optional
+        Of the hypothesis to the same recordings, read in another way: where it has ended is one
+        more start.
 
     Returns
     -------
@@ -78,6 +82,8 @@ def fit(
     """
     if fixed is None:
         best = best_start(model, cases, hypothesis, near, begin)
+        if elsewhere is not None:
+            best = least_of([best, _begun_where_ended(best, elsewhere)])
     else:
         best = problem_with(model, cases, hypothesis, fixed, reference or cases[0])
         if not best.unknowns:
@@ -121,9 +127,14 @@ def refitted(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
         Of the baseline; nothing but its values is taken over, as a start.
     """
     start = problems_of(model, cases, found.hypothesis)[0]
-    own = found.own if len(found.own) == len(cases) else [{}] * len(cases)
-    begun = begun_at(start, found.shared, own)
-    return _fitted_anew(least_of([start, begun]), found.hypothesis)
+    return _fitted_anew(least_of([start, _begun_where_ended(start, found)]), found.hypothesis)
+
+
+def _begun_where_ended(start: Problem, found: Fit) -> Problem:
+    """Return a problem begun where a fit to the same recordings, read otherwise, has ended."""
+    count = len(start.cases)
+    own = found.own if len(found.own) == count else [{}] * count
+    return begun_at(start, found.shared, own)
 
 
 def _fitted_anew(problem: Problem, hypothesis: Hypothesis) -> Fit:

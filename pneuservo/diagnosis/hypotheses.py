@@ -236,18 +236,17 @@ class Hypotheses:
         A parameter that is far out is fitted with the first: what reaches farther may not earn its
         place. (Under a relay a presliding promised 870 of a friction that was 14 tolerances off.)
         """
-        ranked = sorted(promises, key=promises.__getitem__, reverse=True)
-        first = ranked[:FITTED_FIRST]
+        first = sorted(promises, key=promises.__getitem__, reverse=True)[:FITTED_FIRST]
         if self.model.steady and base is self.baseline:
             first += [name for name in far_out(base) if name in promises]
-        found = self._fitted_with(base, {n: promises[n] for n in first})
-        best, reached = _best_of(base, found, barred)
+        found = self._fitted_with(base, {name: promises[name] for name in first})
+        best, reached = best_of(base, found, barred)
         near = within_reach(base, promises, reached, best)
         found |= self._fitted_with(base, {n: p for n, p in near.items() if n not in found}, reached)
         if self.model.steady and base is self.baseline:
             # A parameter that is let go is strained no more, whatever strained it.
             effects = {n: closer for n, closer in found.items() if not n.startswith("param.")}
-            best, reached = _best_of(base, effects, barred)
+            best, reached = best_of(base, effects, barred)
             strained = is_strained(effects.get(best, base))
             self.guessed = strained and self.may_guess
             if strained and not self.may_guess:
@@ -279,10 +278,20 @@ class Hypotheses:
         return {**found, **dict(zip(asked, ended, strict=True))}
 
 
-def _best_of(
+def best_of(
     base: Fit, found: Mapping[str, Fit], barred: Callable[[str, Fit], bool]
 ) -> tuple[str, float]:
-    """Return the candidate that gains most and what it gains; none if nothing does."""
+    """Return the candidate that gains most and what it gains; none if nothing does.
+
+    Parameters
+    ----------
+    base : Fit
+        What they were added to.
+    found : mapping of str to Fit
+        Fits with each of them.
+    barred : callable
+        From `Judge.barred`.
+    """
     gains = {n: gained_most(base, closer) for n, closer in found.items() if not barred(n, closer)}
     best = max(gains, key=gains.__getitem__, default="")
     return (best, gains[best]) if gains.get(best, 0.0) > 0.0 else ("", 0.0)

@@ -147,13 +147,19 @@ def _with_mixtures(
         other = min(others, key=lambda way: at_best[way][recording])
         if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
             try_as_well(_turned(ways[best], ways[other], recording))
-    if _is_nearly_complete(fits[_likeliest(unlikely, fits)]):
+    if leaves_little(fits[_likeliest(unlikely, fits)]):
         try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
     return ways, fits, unlikely
 
 
-def _is_nearly_complete(found: Fit) -> bool:
-    """Return whether the likeliest way to read leaves little more than noise."""
+def leaves_little(found: Fit) -> bool:
+    """Return whether a fit leaves little more than noise, wherever.
+
+    Parameters
+    ----------
+    found : Fit
+        To recordings in one way in which they may be read.
+    """
     return max(rms([residual]) for residual in found.residuals) < _FAR_MORE
 
 
@@ -208,7 +214,12 @@ def likelier_with(
     # It may have taken more than one fit to find it: the first is judged by the likelier.
     tried = (first, first, *others)
     fits = [named]
-    fits += side_by_side(lambda r: fit(model, r.cases, named.hypothesis, r.baseline), tried[1:])
+
+    def fitted_in(reading: Reading) -> Fit:
+        near = reading.baseline
+        return fit(model, reading.cases, named.hypothesis, near, elsewhere=named)
+
+    fits += side_by_side(fitted_in, tried[1:])
     ways = [reading.cases for reading in tried]
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
     best = tried[_likeliest(unlikely, fits)]

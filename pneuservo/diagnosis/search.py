@@ -1,13 +1,13 @@
 """Which effects the recordings call for: hypotheses are added while they earn their place."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from pneuservo.diagnosis.by_gain import LEAST_ELSEWHERE
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack
-from pneuservo.diagnosis.hypotheses import FITTED_FIRST
+from pneuservo.diagnosis.hypotheses import FITTED_FIRST, best_of
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import (
     DECISIVE,
@@ -15,6 +15,7 @@ from pneuservo.diagnosis.judge import (
     LARGE_SHARE_OF_REST,
     LEAST_DISTANCE,
     LEAST_GAIN,
+    Judge,
     is_impossible,
     weighed,
 )
@@ -74,6 +75,22 @@ class Search(Rivals):
         self._add(1)
         # What is looked for later, from the baseline again or not, is no guess.
         self.may_guess = False
+
+    def first_guess(self) -> Fit | None:
+        """Return the baseline with one of what promises most, if that explains far more than noise.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            When the user interrupts it; what has been fitted is kept.
+        """
+        base = self.baseline
+        judge = self._judge(base)
+        promises = self._worth_fitting(base, self._compatible([]), judge)
+        best = sorted(promises, key=promises.__getitem__, reverse=True)[:FITTED_FIRST]
+        found = self._fitted_with(base, {name: promises[name] for name in best})
+        name, gained = best_of(base, found, judge.barred)
+        return found[name] if gained > FAR else None
 
     def run(self) -> None:
         """Search, and keep what has been found when the user interrupts it.
@@ -319,20 +336,23 @@ class Search(Rivals):
         best = sorted(found, key=found.__getitem__, reverse=True)[:FITTED_FIRST]
         return {n: found[n] for n in best if MOST_OVER_PROMISE * found[n] > LEAST_ELSEWHERE}
 
+    def _worth_fitting(
+        self, current: Fit, names: Sequence[str], judge: Judge
+    ) -> Mapping[str, float]:
+        """Return what those additions promise that may earn their place."""
+        promises = self._promises(current, names)
+        if not promises_count(current):
+            return promises
+        worth = {n: p for n, p in promises.items() if MOST_OVER_PROMISE * p > judge.least(n)}
+        return {**self._promised_elsewhere(current), **worth}
+
     def _best_addition(self) -> str | None:
         current = self.chosen
         judge = self._judge(current)
         names = self._compatible(self.accepted)
         if self.model.steady:
             self.pretence.work_out_beside(current)
-        promises = self._promises(current, names)
-        if promises_count(current):
-            promises = {
-                name: promise
-                for name, promise in promises.items()
-                if MOST_OVER_PROMISE * promise > judge.least(name)
-            }
-            promises = {**self._promised_elsewhere(current), **promises}
+        promises = self._worth_fitting(current, names, judge)
         tried = self._best_fitted(current, names, promises, judge.barred)
         if not tried:
             return None

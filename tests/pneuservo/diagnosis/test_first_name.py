@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from pneuservo.diagnosis import first_name
@@ -97,6 +98,71 @@ def test_interrupted_while_it_makes_sure_it_keeps_what_it_was_sure_of(monkeypatc
     monkeypatch.setattr(first_name, "_begun_anew", lambda search: sure)
     found = first_name.with_first_name(None)
     assert (found.accepted, found.interrupted) == (["another"], True)
+
+
+class Read(SimpleNamespace):
+    """A search in recordings that are read in one of two ways."""
+
+    def first_guess(self):
+        if self.guess == "interrupted":
+            raise KeyboardInterrupt
+        left = (np.full(10, self.leaves),)
+        return self.guess and SimpleNamespace(hypothesis=self.guess, residuals=left)
+
+    def begin(self, guess):
+        self.accepted[:] = self.finds
+
+    @property
+    def chosen(self):
+        return SimpleNamespace(hypothesis=" + ".join(self.accepted))
+
+
+@pytest.mark.parametrize(
+    ("guess", "leaves", "there", "named", "read", "times_asked"),
+    [
+        ("a leak", 1.0, [["a leak"]], ["a leak"], "second", 1),
+        # Where nothing earns its place it goes on in the first, and does not ask again.
+        ("a leak", 1.0, [[]], ["a leak"], "first", 1),
+        # Another name than was guessed asks for itself.
+        ("a delay", 1.0, [[], ["a leak"]], ["a leak"], "second", 2),
+        # What explains little is no guess, nor what leaves far more than noise.
+        (None, 1.0, [["a leak"]], ["a leak"], "second", 1),
+        ("a delay", 3.0, [["a leak"]], ["a leak"], "second", 1),
+        ("interrupted", 1.0, [], [], "first", 0),
+    ],
+)
+def test_a_guess_turns_the_reading_where_a_name_earns_its_place(
+    monkeypatch, guess, leaves, there, named, read, times_asked
+):
+    model = SimpleNamespace(readings=lambda cases: None, steady=True)
+    search = SimpleNamespace(model=model, cases=None, progress=None)
+    asked = []
+
+    def followed(search, reading):
+        finds = ["a leak"] if reading == "first" else there[len(asked) - 1]
+        return Read(
+            model=model,
+            progress=None,
+            baseline=None,
+            way=reading,
+            guess=guess,
+            leaves=leaves,
+            finds=finds,
+            accepted=[],
+            interrupted=False,
+        )
+
+    def likelier(model, ranked, baseline, found, progress):
+        asked.append(found.hypothesis)
+        return "second"
+
+    monkeypatch.setattr(first_name, "ranked_readings", lambda *given: ["first", "second"])
+    monkeypatch.setattr(first_name, "likelier_if_late", lambda *given: None)
+    monkeypatch.setattr(first_name, "likelier_with", likelier)
+    monkeypatch.setattr(first_name, "_followed", followed)
+    found = first_name._as_read(search, guess=True)
+    assert (found.accepted, found.way, len(asked)) == (named, read, times_asked)
+    assert found.interrupted is (guess == "interrupted")
 
 
 class Guessing(Search):

@@ -121,8 +121,9 @@ def test_a_fit_finds_the_side_of_a_ridge_that_the_recording_is_on():
     assert found.rms < 1.05
 
 
-def test_a_fit_that_has_come_to_a_bound_ends_where_others_do():
-    # A dogleg was cut short there, 17 above what it reaches from elsewhere.
+@pytest.fixture(scope="module")
+def warm_leak():
+    """Return model, cases and hypothesis of a leak beside heat, and the fit of heat alone."""
     rig, leak = load_rig("single-axis"), "leakage.chamber-a"
     leaking = rig.with_values(
         {f"{leak}:area": 3e-10, f"{leak}:laminar": 0.5, "chamber.heat-transfer:conductance": 0.1}
@@ -131,7 +132,22 @@ def test_a_fit_that_has_come_to_a_bound_ends_where_others_do():
     cases = model.cases(recorded(leaking, Proportional(), 5, duration=3.0), rig)
     warm = Hypothesis().adding("chamber.heat-transfer")
     beside = fit(model, cases, warm, fit(model, cases, Hypothesis()))
-    found = polished(model, cases, fit(model, cases, warm.adding(leak), beside))
+    return model, cases, warm.adding(leak), beside
+
+
+def test_a_fit_that_has_come_to_a_bound_ends_where_others_do(warm_leak):
+    # A dogleg was cut short there, 17 above what it reaches from elsewhere.
+    model, cases, hypothesis, beside = warm_leak
+    found = polished(model, cases, fit(model, cases, hypothesis, beside))
     for share in (0.0, 0.5, 1.0):
-        begun = replace(found, shared=found.shared | {f"{leak}:laminar": share})
+        begun = replace(found, shared=found.shared | {"leakage.chamber-a:laminar": share})
         assert abs(explained(found, polished(model, cases, begun))) < 1.0
+
+
+def test_a_fit_may_begin_where_one_in_another_reading_has_ended(warm_leak):
+    model, cases, hypothesis, beside = warm_leak
+    short = fit(model, cases, hypothesis, beside)
+    ended = polished(model, cases, short)
+    again = fit(model, cases, hypothesis, beside, elsewhere=ended)
+    assert explained(short, ended) > 10.0
+    assert abs(explained(ended, again)) < 1.0
