@@ -99,7 +99,9 @@ class Simulator:
             except (OSError, ValueError) as problem:
                 last_words = self._stop()
                 if overdue.is_set():
-                    raise SimulationError(f"no result within {time_limit:g} s") from problem
+                    raise SimulationError(
+                        f"no result within {time_limit:g} s; shorten the analysis"
+                    ) from problem
                 raise SimulationError(
                     f"ngspice crashed. {last_words}".strip(), words=[last_words] * bool(last_words)
                 ) from problem

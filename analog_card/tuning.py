@@ -7,6 +7,7 @@ from analog_card.design import Design, Turned
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.figures import CardFigures, card_figures
+from analog_card.plain_json import plain_json
 from analog_card.quantities import as_text
 from analog_card.reach import Limit, limits, sensitivities
 from analog_card.settings import (
@@ -115,8 +116,8 @@ class Tuning:
             "achieved": self.achieved,
             "limits": [limit.to_dict() for limit in self.limits],
             "sensitivity": {item.name: asdict(item) for item in sensitivities(self.design, turns)},
-            "settling_time": _finite(self.settling_time),
-            "damping": _finite(self.damping),
+            "settling_time": plain_json(self.settling_time),
+            "damping": plain_json(self.damping),
             "natural_frequency": self.natural_frequency,
             "weights": asdict(self.weights),
             "potentiometers": {item.name: asdict(item) for item in self.potentiometers},
@@ -241,10 +242,6 @@ def with_transducer_gain(design: Design, gain: float | None) -> Design:
         raise InputError(f"transducer gain: {gain:g} V/m is not greater than 0")
     voltage = gain * design.transducer.full_scale_displacement
     return replace(design, transducer=replace(design.transducer, full_scale_voltage=voltage))
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _turned(design: Design, turned: Turned, source: str) -> Design:

@@ -233,7 +233,10 @@ def bench_tune(
     the loop slower.
     """
     if not np.any(np.diff(demand)):
-        raise InputError("the demand never changes, so that there is no step response to judge")
+        raise InputError(
+            "the demand never changes, so that there is no step response to judge; "
+            "give it two set points and more"
+        )
     rig = rig or load_rig("single-axis")
     step_at = int(np.flatnonzero(np.diff(demand))[-1]) + 1
 

@@ -13,6 +13,7 @@ from analog_card.console import Count, progress
 from analog_card.design import AMPLIFIER_FIGURES, AMPLIFIERS
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
+from analog_card.plain_json import plain_json
 from analog_card.quantities import as_text, to_si
 from analog_card.tolerance_figures import FIGURES
 from analog_card.tolerance_statistics import CONFIDENCE
@@ -133,7 +134,7 @@ def report(study: Study, out: str | None, as_json: bool) -> None:
 
     from analog_card.files import write_whole
 
-    text = json.dumps(_finite(study.to_dict()), indent=2)
+    text = json.dumps(plain_json(study.to_dict()), indent=2)
     if out is not None:
         write_whole(Path(out) / "tolerance.json", text + "\n")
     if as_json:
@@ -142,15 +143,6 @@ def report(study: Study, out: str | None, as_json: bool) -> None:
     _print(study)
     if out is not None:
         click.echo(f"written: {Path(out) / 'tolerance.json'}")
-
-
-def _finite(value: Any) -> Any:
-    """Return the same with None for what JSON has no number for."""
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    return None if isinstance(value, float) and value != value else value
 
 
 def _print(study: Study) -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pneuservo.calibration.transient import Transient, in_flow
 from pneuservo.errors import InputError
+from pneuservo.intervals import INTERVAL
 from pneuservo.plant.from_rig import dead_volume
 from pneuservo.plant.gas import mass_flow_coefficient
 
@@ -14,8 +15,6 @@ _FEWEST = 8
 _BINS = 40
 # A step has to change the pressure by so many times the noise for its slope to mean something.
 _CLEAR = 6.0
-_INTERVAL = 1.96
-"""Half width of a 95 % interval, in standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +133,7 @@ def flow_curve(
     spread = discharge_coefficient_from_rate(error, at, transient, polytropic_index)
     forward = 1.0 if transient.charging else -1.0
     signed = np.where(np.sign(rate) == forward, coefficient, -coefficient)
-    return FlowCurve(transient.pressure_ratio(at), signed, _INTERVAL * spread)
+    return FlowCurve(transient.pressure_ratio(at), signed, INTERVAL * spread)
 
 
 def _cut(ratio: NDArray[np.float64], bins: int, least: float) -> list[slice]:

@@ -12,9 +12,8 @@ from pneuservo.calibration.pressure_fit import Array, Found, PressureFit
 from pneuservo.calibration.transient import LEAK, Transient
 from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.errors import InputError
+from pneuservo.intervals import INTERVAL
 
-_INTERVAL = 1.96
-"""Half width of a 95 % interval, in standard deviations."""
 # So wide an interval, as a share of the largest coefficient, decides nothing.
 _VISIBLE = 0.25
 
@@ -145,5 +144,5 @@ def _half_widths(fit: PressureFit, found: Found) -> Array:
     inflation = (left / fit.noise) ** 2 * len(residual) / effective_samples(residual)
     # What is known beforehand is worth what it is, however well the samples are fitted.
     information = found.slopes.T @ found.slopes / inflation + found.known.T @ found.known
-    half: Array = _INTERVAL * fit.scale * np.sqrt(np.diag(np.linalg.inv(information)))[1:]
+    half: Array = INTERVAL * fit.scale * np.sqrt(np.diag(np.linalg.inv(information)))[1:]
     return half

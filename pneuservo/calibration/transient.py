@@ -30,7 +30,8 @@ class Transient:
     name : str
         For messages and legends.
     path : str
-        Flow path, one of `pneuservo.rigs.FLOW_PATHS`, or `LEAK` for a volume without a command.
+        Flow path, one of `pneuservo.rigs.valve_tables.FLOW_PATHS`, or `LEAK` for a volume
+        without a command.
     command : float
         Magnitude of the held command, at most the full voltage; NaN for a leak [V].
     time : (n,) array

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from analog_card.plain_json import plain_json
 from pneuservo.simulation import Simulation
 from pneuservo.simulation.metrics import (
     StepResponse,
@@ -81,7 +82,7 @@ def metrics_of(run: Simulation, names: Sequence[str]) -> dict[str, float | None]
         swings = final_swings(run.time, run["demand"], run["valve_voltage"])
         found["chatter"] = max(swing.size for swing in swings)
     found["control_effort"] = control_effort(run.time, run["valve_voltage"])
-    return {name: _number(found.get(name, math.nan)) for name in names}
+    return {name: plain_json(found.get(name, math.nan)) for name in names}
 
 
 def _worst(steps: Sequence[StepResponse], name: str) -> float:
@@ -102,7 +103,3 @@ def _largest_cycle(run: Simulation) -> tuple[float, float]:
         if not stroke <= largest:
             frequency, largest = cycle.frequency, stroke
     return frequency, largest
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -96,7 +96,7 @@ def write_case(seed: int | Sequence[int], wish: Wish, folder: str | Path) -> Key
         hidden.append(found)
         follow_up.append(further)
         truth = form.apply(truth, found.size)
-    given = _given_rig(rig, effects, scene, true_values, hidden, wish)
+    given = _given_rig(rig, effects, true_values, hidden, wish)
     recorded = {name: level.times(wish.louder) for name, level in levels.items()}
     _write(truth, plan, given, recorded, rng, Path(folder))
     distances = tuple(found.distance / wish.louder for found in hidden)
@@ -152,7 +152,6 @@ def _sized(
 def _given_rig(
     rig: Rig,
     effects: Sequence[ConcealedEffect],
-    scene: Scene,
     true_values: dict[str, float],
     hidden: Sequence[Concealed],
     wish: Wish,

@@ -1,6 +1,5 @@
 """What a case is to hold, and what it turned out to hold."""
 
-import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -84,8 +83,3 @@ class Key:
     def document(self) -> dict[str, Any]:
         """Return the key as JSON takes it."""
         return asdict(self)
-
-
-def key_text(key: Key) -> str:
-    """Return a key as text: what is sealed, and what is hashed."""
-    return json.dumps(key.document(), indent=2, sort_keys=True) + "\n"

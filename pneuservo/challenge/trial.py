@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from analog_card.files import write_whole
+from analog_card.plain_json import plain_json
 from pneuservo.challenge.answers import ask, keep_answer, kept_answer
 from pneuservo.challenge.cases import FOLLOW_UP, HELD_BACK, USED, write_case
 from pneuservo.challenge.judge import Judged, judge
@@ -317,16 +318,7 @@ def summary(trial: Trial, judged: list[Judged]) -> dict[str, Any]:
         "cases": trial.cases,
         "judged": len(judged),
         "programs": trial.programs,
-        "measures": [
-            {**{k: _number(v) for k, v in asdict(line).items()}, "met": line.met}
-            for line in measures(judged)
-        ],
+        "measures": [{**plain_json(asdict(line)), "met": line.met} for line in measures(judged)],
         "confusion": confusion(judged),
-        "wrong": [{k: _number(v) for k, v in asdict(case).items()} for case in wrong(judged)],
+        "wrong": [plain_json(asdict(case)) for case in wrong(judged)],
     }
-
-
-def _number(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _number(entry) for key, entry in value.items()}
-    return None if isinstance(value, float) and value != value else value

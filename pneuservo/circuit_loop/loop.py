@@ -16,6 +16,7 @@ from analog_card.netlist_text import Netlist, read_netlist
 from analog_card.ngspice import Session, Transient
 from analog_card.waveforms import Waveforms
 from pneuservo.controllers import card_of
+from pneuservo.controllers.requirements import sensitivity
 from pneuservo.errors import InputError
 from pneuservo.plant import from_rig
 from pneuservo.plant import single_axis as places
@@ -121,19 +122,15 @@ def simulate_circuit_loop(
     parameters |= _start(rig, wanted[0], initial or InitialState())
     if relay:
         parameters["boundary_layer_link"] = LINK_OPEN
-    netlist = _with_demand(read_netlist(CLOSED_LOOP), times - times[0], wanted, _sensitivity(rig))
+    netlist = _with_demand(read_netlist(CLOSED_LOOP), times - times[0], wanted, sensitivity(rig))
     nodes = sorted({node for node, _ in _NODES.values()})
     changed = netlist_elements(elements or {}, design.soldered.operational_amplifier)
     with Session(netlist, parameters, nodes, time_limit) as session:
         session.change({f"xcard.{name}": value for name, value in changed.items()})
         waves = session.run(Transient(float(times[-1] - times[0]), longest_step))
-    channels = {"demand": wanted, **_channels(waves, times - times[0], _sensitivity(rig))}
+    channels = {"demand": wanted, **_channels(waves, times - times[0], sensitivity(rig))}
     controller = card_of(design, elements=elements, relay=relay)
     return Simulation(rig, times, channels, controller, channels["card_surface"])
-
-
-def _sensitivity(rig: Rig) -> float:
-    return rig["sensor.displacement.range"] / rig["piston.stroke"]
 
 
 def _start(rig: Rig, first_demand: float, initial: InitialState) -> dict[str, float]:

@@ -11,6 +11,7 @@ import numpy as np
 from analog_card.console import Quantity, progress, warn
 from analog_card.design_file import design_to_toml, load_design
 from analog_card.files import write_whole
+from analog_card.plain_json import plain_json
 from analog_card.tuning import read_settings
 from pneuservo.bench_tuning import BenchTuning, bench_tune
 from pneuservo.command_line.baseline_rig import baseline_rig
@@ -82,7 +83,7 @@ def command(
         write_whole(out, design_to_toml(found.design))
     report = _report(found, out)
     if as_json:
-        click.echo(json.dumps(report, indent=2))
+        click.echo(json.dumps(plain_json(report), indent=2))
     else:
         _print(report)
 

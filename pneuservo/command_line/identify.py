@@ -1,7 +1,6 @@
 """``pneuservo identify``: mass, friction and other values of a rig from recordings."""
 
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import tomli_w
 
 from analog_card.console import Count, Quantity, progress, warn
 from analog_card.files import write_files
+from analog_card.plain_json import plain_json
 from pneuservo.command_line.recording_files import Window, read, require_unread
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig, load_rig
@@ -162,16 +162,12 @@ def _values(found: Any) -> dict[str, Any]:
     return {
         name: {
             "value": entry.value,
-            "low": _number(entry.low),
-            "high": _number(entry.high),
+            "low": plain_json(entry.low),
+            "high": plain_json(entry.high),
             "unit": entry.unit,
         }
         for name, entry in found.values.items()
     }
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _document(found: Any, each: dict[tuple[str, str], Any], kind: str) -> dict[str, Any]:
@@ -182,7 +178,7 @@ def _document(found: Any, each: dict[tuple[str, str], Any], kind: str) -> dict[s
         "method": found.method,
         "values": _values(found),
         "correlations": [
-            {"between": [names[j], names[i]], "value": _number(float(found.correlation[i, j]))}
+            {"between": [names[j], names[i]], "value": plain_json(float(found.correlation[i, j]))}
             for i in range(len(names))
             for j in range(i)
         ],

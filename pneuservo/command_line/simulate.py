@@ -13,6 +13,7 @@ import numpy as np
 
 from analog_card.behaviour import Imperfections
 from analog_card.console import Count, Quantity, warn
+from analog_card.plain_json import plain_json
 from pneuservo.command_line.loop_controller import (
     CARDS,
     UNITS,
@@ -166,7 +167,7 @@ def command(
     _write(result, source, loop, files)
     report = _report(result, source, loop, files)
     if as_json:
-        click.echo(json.dumps(_finite(report), indent=2))
+        click.echo(json.dumps(plain_json(report), indent=2))
     else:
         _print(report)
 
@@ -307,17 +308,6 @@ def _print(report: Mapping[str, Any]) -> None:
 
 def _milliseconds(seconds: float) -> str:
     return "not reached" if math.isnan(seconds) else f"{seconds * 1e3:.0f} ms"
-
-
-def _finite(value: Any) -> Any:
-    """Return the same with None for what JSON has no number for."""
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def _refuse(options: Mapping[str, Any], what: str) -> None:

@@ -8,6 +8,7 @@ from pneuservo.controllers.board import DT2812A, Board
 from pneuservo.controllers.requirements import require, sensitivity
 from pneuservo.controllers.sampled import Reading, SampledController, Voltage
 from pneuservo.controllers.surface import SlidingSurface
+from pneuservo.controllers.true_states import StateFeedback
 from pneuservo.plant.control_law import limited
 from pneuservo.rigs import Rig
 from pneuservo.sliding_mode.boundary_layer import boundary_layer
@@ -154,10 +155,10 @@ class DigitalStateFeedback(SampledController):
     """
 
     kind: ClassVar[str] = "digital-state-feedback"
-    gain: float = 0.2407
-    velocity_gain: float = -0.0379
-    acceleration_gain: float = 0.0002
-    level: float = 5.0
+    gain: float = StateFeedback.gain
+    velocity_gain: float = StateFeedback.velocity_gain
+    acceleration_gain: float = StateFeedback.acceleration_gain
+    level: float = StateFeedback.level
     sampling_time: float = 1e-3
     accelerometer: bool = False
     board: Board | None = DT2812A

@@ -9,9 +9,7 @@ import numpy as np
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.model import Array, Values
 from pneuservo.diagnosis.problem import own_key
-
-INTERVAL = 1.96
-"""Half width of a 95 % interval, in standard deviations."""
+from pneuservo.intervals import INTERVAL
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, explained, rms
+from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE
 from pneuservo.diagnosis.models import Case, Model
@@ -17,6 +17,7 @@ from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.starts import Begin, best_start, least_of
 from pneuservo.diagnosis.steady import Known, SteadySensitivity
 from pneuservo.errors import FitError
+from pneuservo.intervals import INTERVAL
 
 _DIFFERENCE_STEP = 1e-6
 _MOST_EVALUATIONS = 60

@@ -4,12 +4,13 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, rms
+from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.fitting import at_nominal
 from pneuservo.diagnosis.judge import LEAST_DISTANCE
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.screen import LEAST_PROMISE, scores
 from pneuservo.diagnosis.signatures import signatures_of
+from pneuservo.intervals import INTERVAL
 
 STRAINED = 3.0
 """Tolerances from its nominal value beyond which a parameter makes up for something else."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import INTERVAL, Fit, explained
+from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Table
@@ -19,6 +19,7 @@ from pneuservo.diagnosis.tabulated import (
     spread_of_shape,
     varies_most,
 )
+from pneuservo.intervals import INTERVAL
 
 Copies = Callable[[Fit], Sequence[Array]]
 """Takes a fit and returns what it leaves of recordings that its own rig has made, beyond a refit,

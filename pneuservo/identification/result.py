@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.identification.whiteness import Whiteness
+from pneuservo.intervals import INTERVAL
 
 Array = NDArray[np.float64]
 
-INTERVAL = 1.96
-"""Half width of a 95 % interval, in standard deviations."""
 _ALIKE = 0.9
 """Correlation from which two values count as not told apart."""
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-_BAND = 1.96
+from pneuservo.intervals import INTERVAL
+
 _LAGS = 20
 _DOUBT = 0.01
 
@@ -82,7 +83,7 @@ def whiteness(residual: NDArray[np.float64], lags: int = _LAGS) -> Whiteness:
     spread = residual - np.mean(residual)
     power = float(np.dot(spread, spread))
     if power == 0.0:
-        return Whiteness(np.zeros(lags), _BAND / np.sqrt(n), 1.0)
+        return Whiteness(np.zeros(lags), INTERVAL / np.sqrt(n), 1.0)
     correlation = np.array([np.dot(spread[k:], spread[:-k]) for k in range(1, lags + 1)]) / power
     statistic = n * (n + 2) * np.sum(correlation**2 / (n - np.arange(1, lags + 1)))
-    return Whiteness(correlation, _BAND / float(np.sqrt(n)), float(chi2.sf(statistic, lags)))
+    return Whiteness(correlation, INTERVAL / float(np.sqrt(n)), float(chi2.sf(statistic, lags)))

@@ -5,6 +5,7 @@ from dataclasses import replace
 from analog_card.surface_weights import state_weights
 from pneuservo.limit_cycle.loop import Loop, Signals
 from pneuservo.linear import advanced_servo, conventional_servo, servo_data, without_valve
+from pneuservo.naming import require_known
 from pneuservo.rigs import Rig
 
 # Linear models by name.
@@ -62,6 +63,7 @@ def rig_loop(
     >>> rig_loop(load_rig("single-axis"), 0.015).asymmetry > 0.0  # extends more strongly
     True
     """
+    require_known(model, MODELS, "model")
     data = servo_data(rig)
     if model == CONVENTIONAL:
         servo, asymmetry = conventional_servo(data, displacement), 0.0

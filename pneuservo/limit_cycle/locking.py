@@ -30,11 +30,6 @@ class Locking:
     low: NDArray[np.float64]
     mean_error: NDArray[np.float64]
 
-    @property
-    def bracket(self) -> tuple[float, float]:
-        """Return the lowest and the highest frequency [Hz]."""
-        return float(np.min(self.frequency)), float(np.max(self.frequency))
-
 
 def locking(loop: Loop, starts: int = 25, seed: int = 1) -> Locking:
     """Return the limit cycles of the linear servo under a digital relay, from many starts.

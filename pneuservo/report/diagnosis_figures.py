@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from pneuservo.diagnosis import Diagnosis
-from pneuservo.diagnosis.fit import INTERVAL, Fit
+from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.unexplained import Unexplained, smoothed
 from pneuservo.diagnosis.unknowns import values_in
+from pneuservo.intervals import INTERVAL
 from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
 from pneuservo.report.words import UNITS
 

@@ -122,7 +122,10 @@ class Simulation:
         """
         responses = self.step_responses(band)
         if not responses:
-            raise InputError("the demand never changes, so that there is no step to settle from")
+            raise InputError(
+                "the demand never changes, so that there is no step to settle from; "
+                "give it two set points and more"
+            )
         return responses[-1].settling_time
 
     def steady_state_error(self, share: float = 0.2) -> float:

@@ -234,7 +234,10 @@ def _each_step(run: Run, says: Callable[[StepResponse], str | None], band: float
     demand, displacement = samples(run, "demand"), samples(run, "displacement")
     steps = step_responses(run.time, demand, displacement, band)
     if not steps:
-        raise InputError("the demand never changes, so that there is no step to judge")
+        raise InputError(
+            "the demand never changes, so that there is no step to judge; "
+            "give it two set points and more"
+        )
     found = []
     for step in steps:
         words = says(step)

@@ -10,6 +10,7 @@ import numpy as np
 from analog_card.linear_servo import LinearServo, converter_step
 from pneuservo.linear import advanced_servo, table_5_2, without_valve
 from pneuservo.linear.detectability import DetectableFrequencies, detectable_frequencies
+from pneuservo.simulation.sampled_loop import ACCELERATION_RANGE
 from pneuservo.thesis.parameter_sets import PRINTED, RECONCILED, parameter_set
 from pneuservo.thesis.rows import Row, number_row
 
@@ -25,8 +26,8 @@ _STATED = {
     ("9.2", "retract"): (190.0, 155.0, 187.0),
 }
 _FROM_TEXT = "unreadable in the scan; from the range that the text states"
-# Range of the acceleration in the same converter [m/s2], and where it is looked at [Hz].
-_ACCELERATION_RANGE, _ACCELERATION_FREQUENCY = 322.57, 950.0
+# Where the acceleration is looked at [Hz].
+_ACCELERATION_FREQUENCY = 950.0
 
 
 def detectability_rows() -> list[Row]:
@@ -82,7 +83,7 @@ def _converter() -> Iterator[Row]:
         "half a bit of the acceleration",
         "m/s²",
         0.0394,
-        converter_step(_ACCELERATION_RANGE, bits),
+        converter_step(ACCELERATION_RANGE, bits),
         None,
         "equation (9.2)",
     )
@@ -140,9 +141,9 @@ def detectability_figure() -> "Figure":
     for k, (name, servo) in enumerate(_servos().items()):
         amplitude = [_acceleration(servo, float(frequency)) for frequency in f]
         axes[2].loglog(f, amplitude, color=f"C{k}", lw=1.0, label=f"{name}, mid-stroke, valve")
-    axes[2].axhline(converter_step(_ACCELERATION_RANGE), color="0.3", lw=1.0)
+    axes[2].axhline(converter_step(ACCELERATION_RANGE), color="0.3", lw=1.0)
     axes[2].annotate(
-        "half a bit", (55.0, 1.1 * converter_step(_ACCELERATION_RANGE)), fontsize="small"
+        "half a bit", (55.0, 1.1 * converter_step(ACCELERATION_RANGE)), fontsize="small"
     )
     axes[2].legend(loc="upper right", fontsize="small", frameon=False)
     axes[2].set_ylabel("amplitude of the acceleration [m/s²]")

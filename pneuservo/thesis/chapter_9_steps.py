@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.controllers import Controller, DigitalSlidingMode
+from pneuservo.controllers.requirements import sensitivity
 from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate, step_demand
 from pneuservo.thesis.chapter_9_loops import (
@@ -288,9 +289,9 @@ def _smoothed() -> Iterator[Row]:
     """Yield what the card makes of the noise that the hybrid has."""
     setup = hybrid()
     rig = load_rig("single-axis")
-    volts = rig["sensor.displacement.range"] / rig["piston.stroke"]
     noisy = replace(
-        rig, transducers={"displacement": Transducer(noise=setup.transducer_noise / volts)}
+        rig,
+        transducers={"displacement": Transducer(noise=setup.transducer_noise / sensitivity(rig))},
     )
     time, demand = step_demand(SET_POINTS, HOLD, _FINE_RATE)
     card = holds(simulate(noisy, time=time, demand=demand, controller=analogue()))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
+from analog_card.plain_json import plain_json
 from pneuservo.thesis.chapters import Chapter
 from pneuservo.thesis.parameter_sets import ParameterSet, parameter_sets
 from pneuservo.thesis.rows import IN_KIND, NOT, REPRODUCED, Row, Value
@@ -67,9 +68,9 @@ def to_dict(chapters: Sequence[Chapter]) -> dict[str, object]:
     return {
         "rows": [
             {
-                **{key: _finite(value) for key, value in asdict(row).items()},
-                "printed_difference": _finite(row.printed_difference),
-                "reconciled_difference": _finite(row.reconciled_difference),
+                **{key: plain_json(value) for key, value in asdict(row).items()},
+                "printed_difference": plain_json(row.printed_difference),
+                "reconciled_difference": plain_json(row.reconciled_difference),
             }
             for row in rows
         ],
@@ -132,7 +133,3 @@ def cell(text: str) -> str:
 
 def _sets_of(chapter: int | str) -> list[ParameterSet]:
     return [candidate for candidate in parameter_sets() if candidate.chapter == chapter]
-
-
-def _finite(value: object) -> object:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -79,7 +79,10 @@ class TuningProblem:
         if self.campaign.rig.effects:
             raise InputError(f"rig {self.campaign.rig.name}: {_NO_EFFECTS}")
         if not np.any(np.diff(self.campaign.demand)):
-            raise InputError("the demand never changes, so that there is no step to settle after")
+            raise InputError(
+                "the demand never changes, so that there is no step to settle after; "
+                "give it two set points and more"
+            )
         for name in ("largest_overshoot", "largest_error"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"{name} is {getattr(self, name):g}; it has to be greater than 0")

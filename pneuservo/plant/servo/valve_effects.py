@@ -288,30 +288,3 @@ def jet_is_attached(attached, pressure_ratio, effects):
     if pressure_ratio > effects.detach_ratio:
         return 0.0
     return attached
-
-
-@compiled
-def vena_contracta_temperature(pressure_ratio, temperature, gas):
-    """Return the temperature in the narrowest part of the jet [K].
-
-    Parameters
-    ----------
-    pressure_ratio : float
-        Downstream over upstream pressure [-].
-    temperature : float
-        Upstream stagnation temperature [K].
-    gas : Gas
-        The gas.
-
-    Notes
-    -----
-    Equations (4.21) and (4.22): isentropic to the throat, sonic there once choked.
-
-    Examples
-    --------
-    >>> from pneuservo.plant.gas import ideal_gas
-    >>> round(vena_contracta_temperature(0.2, 293.0, ideal_gas(293.0, 287.0, 1.4)), 1)
-    244.2
-    """
-    g = gas.isentropic_exponent
-    return temperature * max(pressure_ratio, gas.critical_pressure_ratio) ** ((g - 1.0) / g)

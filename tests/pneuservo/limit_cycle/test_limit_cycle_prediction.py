@@ -166,6 +166,8 @@ def test_the_rigs_loop_is_that_of_its_linear_model():
     assert up > down
     assert rig_loop(rig, 0.015, model="conventional").asymmetry == 0.0
     assert math.isinf(rig_loop(rig, 0.015, valve=False).servo.valve_frequency)
+    with pytest.raises(InputError, match="there are: advanced, conventional"):
+        rig_loop(rig, 0.015, model="conventinal")
 
 
 def test_impossible_loops_are_refused():
