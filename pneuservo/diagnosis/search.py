@@ -187,7 +187,8 @@ class Search(Rivals):
         """Name parameters that are out of their tolerance, where nothing else was found.
 
         They cost little to explain recordings with, so that setting them free hardly explains more.
-        None is named where there are many, or where one of them cannot be it.
+        None is named where there are many, or where one of them cannot be it; nor are two that one
+        effect would make seem so.
         """
         chosen = self.chosen
         if self.accepted or not self.leaves_noise(chosen) or not self.are_judged(chosen):
@@ -202,6 +203,17 @@ class Search(Rivals):
             drop = current.evidence(free.effective) - free.evidence(free.effective)
             step = Step(current.hypothesis.members, name, True, evidence_drop=drop, share=0.0)
             self.ledger.append(step)
+        seem_wrong = out_of_tolerance(self.baseline)
+        if self.accepted and len(seem_wrong) > 1 and (cause := self.one_cause_instead()):
+            self.give_up(f"{cause} alone explains as much")
+            self._name(cause, 0.0)
+
+    def _name(self, effect: str, share: float) -> None:
+        """Name an effect beside nothing else, for less than would have earned its place."""
+        found = self.fits[self._with([effect])]
+        drop = self.baseline.evidence(found.effective) - found.evidence(found.effective)
+        self.accepted.append(effect)
+        self.ledger.append(Step((), effect, True, evidence_drop=drop, share=share))
 
     def _may_be_wrong(self, name: str) -> bool:
         """Return whether setting a parameter free leaves it possible, and noise."""
@@ -236,9 +248,7 @@ class Search(Rivals):
         found = self.ended(self._with([best]))
         if held_back.are_predicted_worse(found, chosen, LEAST_GAIN):
             self.give_up(f"what was held back is predicted far better with {best}")
-            drop = self.baseline.evidence(found.effective) - found.evidence(found.effective)
-            self.accepted.append(best)
-            self.ledger.append(Step((), best, True, evidence_drop=drop, share=judge.share(found)))
+            self._name(best, judge.share(found))
 
     def drop_refuted(self, held_back: HeldBack) -> None:
         """Drop what recordings that were held back speak against, the last that was added first.

@@ -70,6 +70,10 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
         def chosen(self):
             return fitted(self.accepted)
 
+        @property
+        def baseline(self):
+            return fitted([])
+
         def ended(self, hypothesis):
             return fitted(hypothesis.members)
 
@@ -78,6 +82,9 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
 
         def are_judged(self, found):
             return True
+
+        def one_cause_instead(self):
+            return None
 
     def fitted(members):
         last = members[-1].removeprefix("param.") if members else ""
@@ -94,3 +101,13 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
     found = Named(SimpleNamespace(steady=True), [])
     found.name_wrong_parameters()
     assert found.accepted == named
+
+
+def test_one_zero_that_is_off_is_no_two_wrong_dead_volumes():
+    """Away from both stops it makes one chamber larger and the other smaller."""
+    rig = load_rig("single-axis")
+    off = rig.with_values({"sensor.position-offset:offset": 1.8e-3})
+    found = diagnose([recorded(off, Proportional(), seed, duration=2.0) for seed in (1, 2)])
+    answer = document(found)
+    assert [entry["effect"] for entry in answer["missing"]] == ["sensor.position-offset"]
+    assert answer["corrected_parameters"] == {}
