@@ -8,6 +8,7 @@ import click
 from analog_card.console import Count, progress
 from analog_card.design_file import design_to_toml
 from analog_card.files import require_apart, write_files
+from analog_card.plain_json import plain_json
 
 _EPILOG = """\b
 Examples:
@@ -49,7 +50,7 @@ def command(out: Path, recording: Path | None, seed: int) -> None:
         answer = document(demo.diagnosis)
         files = {
             "card.toml": design_to_toml(demo.tuning.design),
-            "summary.json": json.dumps(summary(demo, answer), indent=2) + "\n",
+            "summary.json": json.dumps(plain_json(summary(demo, answer)), indent=2) + "\n",
             **answer_files(demo.diagnosis, answer),
             "report.html": demo_page(demo, answer),
         }
