@@ -103,6 +103,30 @@ class Count(click.IntRange):
 
 
 @contextmanager
+def writing(option: str, path: object) -> Iterator[None]:
+    """Say which option's file or folder cannot be written, should it be so.
+
+    Parameters
+    ----------
+    option : str
+        As it is typed.
+    path : object
+        What was given with it.
+
+    Raises
+    ------
+    InputError
+        When the system refuses.
+    """
+    try:
+        yield
+    except OSError as problem:
+        raise InputError(
+            f"{option} {path}: cannot be written: {problem.strerror}; choose another folder"
+        ) from problem
+
+
+@contextmanager
 def progress(total: int | None = None) -> Iterator[Any]:
     """Yield a function that names the step now running, in one line on standard error.
 

@@ -89,6 +89,11 @@ def white_density(voltage: float, band: float) -> float:
         Root-mean-square [V].
     band : float
         [Hz].
+
+    Raises
+    ------
+    InputError
+        When the voltage is below 0 V or the band is not above 0 Hz.
     """
     if not (voltage >= 0 and band > 0):
         raise InputError(

@@ -67,6 +67,11 @@ def bounds(
     Bounds
         The innermost pair of order statistics that does it; the extremes when none does.
 
+    Raises
+    ------
+    InputError
+        With less than two values.
+
     Notes
     -----
     Wilks 1941: the share between the r-th value from below and from above of n is distributed as

@@ -94,6 +94,12 @@ def fit_row(
     TableRow
         With 95 % intervals.
 
+    Raises
+    ------
+    InputError
+        For break points that are not allowed, and when the pressure changes too little to decide a
+        flow by.
+
     Notes
     -----
     Equation (4.34) integrated: the pressure is simulated by the plant's own equations and compared

@@ -127,6 +127,11 @@ def size_for(
     -------
     Concealed
         Size, visibility, sensitivities.
+
+    Raises
+    ------
+    InputError
+        When nothing can be simulated at any size.
     """
     low, high = effect.smallest, effect.high
     size = effect.low

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from analog_card.console import progress
+from analog_card.console import progress, writing
 from pneuservo.errors import InputError
 
 if TYPE_CHECKING:
@@ -90,26 +90,15 @@ def _draw_one(effect: "Effect", rig: str, plot: str) -> None:
     with progress() as step:
         step(effect.id)
         figure = signature_figure(signature_of(effect, rig))
-        try:
+        with writing("--plot", plot):
             write_picture(figure, plot)
-        except OSError as problem:
-            raise _unwritable("--plot", plot, problem) from problem
 
 
 def _draw_all(effects: "Sequence[Effect]", rig: str, folder: str) -> None:
     from pneuservo.report.signature_pictures import write_catalogue
 
-    with progress(len(effects)) as step:
-        try:
-            write_catalogue(rig, effects, Path(folder), step)
-        except OSError as problem:
-            raise _unwritable("--pictures", folder, problem) from problem
-
-
-def _unwritable(option: str, path: str, problem: OSError) -> InputError:
-    return InputError(
-        f"{option} {path}: cannot be written: {problem.strerror}; choose another folder"
-    )
+    with progress(len(effects)) as step, writing("--pictures", folder):
+        write_catalogue(rig, effects, Path(folder), step)
 
 
 def _plain(entry: Any) -> dict[str, Any]:

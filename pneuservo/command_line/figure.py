@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from analog_card.console import Quantity, progress, warn
+from analog_card.console import Quantity, progress, warn, writing
 from pneuservo.errors import InputError
 
 if TYPE_CHECKING:
@@ -133,11 +133,14 @@ def command(
         run = simulate_figure(figure, time=time, controller=controlled, demands=demands)
         if animation is not None:
             step("drawing")
-            _written("--animation", animation, lambda: write_animation(run, animation))
+            with writing("--animation", animation):
+                write_animation(run, animation)
     if out is not None:
-        _written("--out", out, lambda: _write_axes(run, Path(out)))
+        with writing("--out", out):
+            _write_axes(run, Path(out))
     if plot is not None:
-        _written("--plot", plot, lambda: write_picture(overview(run), plot))
+        with writing("--plot", plot):
+            write_picture(overview(run), plot)
     report = _report(run, controller, {"out": out, "plot": plot, "animation": animation})
     if as_json:
         click.echo(json.dumps(report, indent=2))
@@ -158,15 +161,6 @@ def _figure(name: str, axes: str | None, without: str | None) -> "AnimatedFigure
     if without is not None:
         figure = figure.without(*_names(without))
     return figure
-
-
-def _written(option: str, path: str, write: Any) -> None:
-    try:
-        write()
-    except OSError as problem:
-        raise InputError(
-            f"{option} {path}: cannot be written: {problem.strerror}; choose another folder"
-        ) from problem
 
 
 def _write_axes(run: "FigureRun", folder: Path) -> None:

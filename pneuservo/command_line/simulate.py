@@ -3,8 +3,7 @@
 import dataclasses
 import json
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import click
 import numpy as np
 
 from analog_card.behaviour import Imperfections
-from analog_card.console import Count, Quantity, warn
+from analog_card.console import Count, Quantity, warn, writing
 from analog_card.plain_json import plain_json
 from pneuservo.command_line.loop_controller import (
     CARDS,
@@ -220,25 +219,15 @@ def _write(
         # So that the recording that was read is never written over.
         read_from = source.source if source is not None else None
         title = loop.title if loop else recording.title
-        with _named("--out", files["out"]):
+        with writing("--out", files["out"]):
             write_recording(
                 dataclasses.replace(recording, source=read_from, title=title), files["out"]
             )
     for option, draw in (("plot", result.figure), ("phase_plane", result.phase_plane)):
         file = files[option]
         if file is not None:
-            with _named(written(option), file):
+            with writing(written(option), file):
                 write_picture(draw(), file)
-
-
-@contextmanager
-def _named(option: str, path: str) -> Iterator[None]:
-    try:
-        yield
-    except OSError as problem:
-        raise InputError(
-            f"{option} {path}: cannot be written: {problem.strerror}; choose another folder"
-        ) from problem
 
 
 def _report(

@@ -6,9 +6,8 @@ from typing import Any
 
 import click
 
-from analog_card.console import Count, progress
+from analog_card.console import Count, progress, writing
 from analog_card.files import write_whole
-from pneuservo.errors import InputError
 
 PAGE, PICTURES = "reproduction.md", "reproduction"
 
@@ -82,12 +81,8 @@ def command(
 
 def _picture_folder(out: Path) -> Path:
     folder = out / PICTURES
-    try:
+    with writing("--out", out):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise InputError(
-            f"--out {out}: cannot be written: {problem.strerror}; choose another folder"
-        ) from problem
     return folder
 
 

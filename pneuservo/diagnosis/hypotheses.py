@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from heapq import nlargest
 from typing import Any
 
 from pneuservo.diagnosis.fit import Fit, explained, gained_most
@@ -236,7 +237,7 @@ class Hypotheses:
         A parameter that is far out is fitted with the first: what reaches farther may not earn its
         place. (Under a relay a presliding promised 870 of a friction that was 14 tolerances off.)
         """
-        first = sorted(promises, key=promises.__getitem__, reverse=True)[:FITTED_FIRST]
+        first = nlargest(FITTED_FIRST, promises, key=promises.__getitem__)
         if self.model.steady and base is self.baseline:
             first += [name for name in far_out(base) if name in promises]
         found = self._fitted_with(base, {name: promises[name] for name in first})

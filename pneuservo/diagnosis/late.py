@@ -1,6 +1,7 @@
 """What something late would make of the ways to read recordings: it looks like one of them."""
 
 from collections.abc import Callable, Mapping, Sequence
+from heapq import nlargest
 
 from pneuservo.diagnosis.fit import Fit, gained_most
 from pneuservo.diagnosis.fitting import fit
@@ -94,7 +95,7 @@ def _explained_if_late(model: Model, reading: Reading, promises: Mapping[str, fl
     baseline = reading.baseline
     if baseline is None:
         return 0.0
-    best = sorted(promises, key=promises.__getitem__, reverse=True)[:_LATE_WORTH_FITTING]
+    best = nlargest(_LATE_WORTH_FITTING, promises, key=promises.__getitem__)
     return max(
         (
             gained_most(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from heapq import nlargest
 
 from pneuservo.diagnosis.accepted import Accepted
 from pneuservo.diagnosis.chance import chance_gain
@@ -84,7 +85,7 @@ class Rivals(Accepted):
         several, base = self.chosen, self.baseline
         names = [name for name in self._compatible([]) if name in CATALOGUE]
         promised = scores(base, self.pretence.signatures_beside(base), names, self._one_sided)
-        best = sorted(promised, key=promised.__getitem__, reverse=True)[:CAUSES_ASKED]
+        best = nlargest(CAUSES_ASKED, promised, key=promised.__getitem__)
         found = self._ended_of(self._fitted_with(base, {n: promised[n] for n in best}), best)
         explains = {
             name: explained(several, closer)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from heapq import nlargest
 
 from pneuservo.diagnosis.by_gain import LEAST_ELSEWHERE
 from pneuservo.diagnosis.fit import Fit, explained
@@ -87,7 +88,7 @@ class Search(Rivals):
         base = self.baseline
         judge = self._judge(base)
         promises = self._worth_fitting(base, self._compatible([]), judge)
-        best = sorted(promises, key=promises.__getitem__, reverse=True)[:FITTED_FIRST]
+        best = nlargest(FITTED_FIRST, promises, key=promises.__getitem__)
         found = self._fitted_with(base, {name: promises[name] for name in best})
         name, gained = best_of(base, found, judge.barred)
         return found[name] if gained > FAR else None
@@ -343,7 +344,7 @@ class Search(Rivals):
         names = [n for n in self._compatible(self.accepted) if n in CATALOGUE]
         signatures = self.pretence.signatures_beside(current)
         found = scores(self._bendable(current), signatures, names, self._one_sided)
-        best = sorted(found, key=found.__getitem__, reverse=True)[:FITTED_FIRST]
+        best = nlargest(FITTED_FIRST, found, key=found.__getitem__)
         return {n: found[n] for n in best if MOST_OVER_PROMISE * found[n] > LEAST_ELSEWHERE}
 
     def _worth_fitting(

@@ -1,6 +1,7 @@
 """Parameters far from nominal: which are wrong, and what candidates promise if they are not."""
 
 from collections.abc import Collection, Sequence
+from heapq import nlargest
 
 import numpy as np
 
@@ -193,5 +194,5 @@ def promises_from_nominal(
         for name, score in scores(nominal, signatures, effects, one_sided).items()
         if more + score > LEAST_PROMISE
     }
-    best = sorted(found, key=found.__getitem__, reverse=True)[:WORTH_FITTING]
+    best = nlargest(WORTH_FITTING, found, key=found.__getitem__)
     return {name: found[name] for name in best}

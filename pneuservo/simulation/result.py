@@ -158,6 +158,11 @@ class Simulation:
         LimitCycle or None
             Its extremes are those of the switching function, in the controller's own unit;
             of the valve voltage for a replayed command.
+
+        Raises
+        ------
+        InputError
+            When it is looked for from after the run's end.
         """
         signal = self["valve_voltage"] if self.surface is None else self.surface
         first = (self._last_change() + len(self)) // 2

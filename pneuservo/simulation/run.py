@@ -192,6 +192,11 @@ def integration_step(largest_step: float, spool_frequency: float, law: ControlLa
         Of the valve; 0 for a spool held still [rad/s].
     law : ControlLaw
         What commands the valve.
+
+    Raises
+    ------
+    InputError
+        When the step asked for is not above 0 s.
     """
     if not 0.0 < largest_step < math.inf:
         raise InputError(f"largest_step is {largest_step:g} s; it has to be greater than 0")

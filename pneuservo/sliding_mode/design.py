@@ -212,6 +212,11 @@ def range_space(rig: Rig, how: str, level: float) -> RangeSpace:
     level : float
         Largest voltage [V].
 
+    Raises
+    ------
+    InputError
+        For a range space that is not known.
+
     Notes
     -----
     From representative trajectories, section 7.5.2 of the thesis; from choked flow and supply

@@ -267,6 +267,11 @@ def reaching_gains(
     tuple of float
         Of error [V/m], velocity [V s/m] and acceleration [V s2/m].
 
+    Raises
+    ------
+    InputError
+        When displacement gain or margin are not above 0.
+
     Notes
     -----
     Section 6.6 of the thesis: from sigma d(sigma)/dt < 0 with the parameters' known ranges, each

@@ -59,6 +59,11 @@ def reachability(
     level : float
         Largest voltage [V].
 
+    Raises
+    ------
+    InputError
+        When the level is not above 0 V.
+
     Notes
     -----
     Section 7.5.1 of the thesis: (7.9) for the nominal model, (7.11) with parameter changes.

@@ -104,6 +104,11 @@ def slides_at_once(plant: SecondOrderPlant, slope: float) -> bool:
     bool
         Whether 0 < c1 < 2 a: at full voltage the velocity stays below b U/a.
 
+    Raises
+    ------
+    InputError
+        For a plant with stiffness.
+
     Notes
     -----
     The thesis states c1 < a, (6.6), which suffices.

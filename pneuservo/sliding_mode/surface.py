@@ -100,6 +100,11 @@ def surface_from_settling_time(
     Surface
         Its last weight is 1.
 
+    Raises
+    ------
+    InputError
+        For a settling time not above 0 s, a damping not above 0 or above 1, an order below 1.
+
     Notes
     -----
     Equations (7.3) and (7.4) of the thesis for order 2. A double pole enters a 2 % band after
@@ -189,6 +194,11 @@ def damping_from_overshoot(overshoot: float) -> float:
     ----------
     overshoot : float
         0 to below 1 [-].
+
+    Raises
+    ------
+    InputError
+        For an overshoot below 0, or of 1 and more.
 
     Notes
     -----
