@@ -15,6 +15,7 @@ from analog_card.design_tolerances import PartTolerance
 from analog_card.errors import InputError
 from analog_card.netlist_text import nearest
 from analog_card.quantities import as_text, to_si
+from analog_card.toml_file import read_toml
 
 DEFAULT = "default.toml"
 
@@ -50,7 +51,7 @@ def load_design(path: str | Path | None = None) -> Design:
     where = DEFAULT
     if path is not None:
         where = str(path)
-        content = _overlaid(content, _parsed(Path(path)), _shape(Design), where)
+        content = _overlaid(content, read_toml(path, "a design file"), _shape(Design), where)
     notes: dict[str, dict[str, Any]] = {}
     title = content.get("title", "")
     if not isinstance(title, str):
@@ -91,18 +92,6 @@ def design_to_toml(design: Design) -> str:
     for name in _shape(Design):
         blocks.extend(_blocks(getattr(design, name), name, notes))
     return "\n\n".join(blocks) + "\n"
-
-
-def _parsed(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise InputError(f"{path}: {problem.strerror}; a design file is needed") from problem
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: not UTF-8 text; save it as UTF-8") from problem
-    # Very deep nesting and very long integers make the parser give up in its own ways.
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as problem:
-        raise InputError(f"{path}: not TOML: {problem}") from problem
 
 
 def _shape(kind: type) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import to_si
+from analog_card.toml_file import read_toml, table_in
 from pneuservo.animated_figure.figure import BUILT_IN_FIGURES, FRAME, AnimatedFigure, Axis, Frame
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest, require_known
@@ -55,26 +56,23 @@ def load_figure(name_or_path: str | Path) -> AnimatedFigure:
             f"figure {name!r} is not known; there are: {', '.join(BUILT_IN_FIGURES)}, or give the "
             "path of a figure file ending in .toml" + nearest(name, BUILT_IN_FIGURES)
         )
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) else problem
-        raise InputError(f"{path}: cannot be read: {reason}; give a figure file") from problem
-    # Very deep nesting and very long integers make the parser give up in its own ways.
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as problem:
-        raise InputError(f"{path}: is not valid TOML: {problem}") from problem
+    data = read_toml(path, "a figure file", InputError)
     return _figure(data, name, path.parent)
 
 
 def _figure(data: dict[str, Any], name: str, folder: Path | None) -> AnimatedFigure:
     for key in data:
         require_known(key, ("figure", "frame", "axes"), name)
-    head, frame = _table(data, "figure", name), _table(data, "frame", name)
+    head, frame = (
+        table_in(data, "figure", name, InputError),
+        table_in(data, "frame", name, InputError),
+    )
     for key in head:
         require_known(key, ("title", "source", "gravity"), f"{name} [figure]")
+    listed = table_in(data, "axes", name, InputError)
     axes = {
-        key: _axis(_table(_table(data, "axes", name), key, f"{name} [axes]"), where, folder)
-        for key in _table(data, "axes", name)
+        key: _axis(table_in(listed, key, f"{name} [axes]", InputError), where, folder)
+        for key in listed
         for where in [f"{name} [axes.{key}]"]
     }
     if FRAME in axes:
@@ -89,7 +87,7 @@ def _figure(data: dict[str, Any], name: str, folder: Path | None) -> AnimatedFig
 def _axis(entry: dict[str, Any], where: str, folder: Path | None) -> Axis:
     for key in entry:
         require_known(key, _AXIS_KEYS, where)
-    member = _table(entry, "member", where)
+    member = table_in(entry, "member", where, InputError)
     numbers = {key: value for key, value in entry.items() if key in _AXIS}
     values = _quantities(member, _MEMBER, f"{where} member", whole=True)
     values |= _quantities(numbers, _AXIS, where)
@@ -97,7 +95,7 @@ def _axis(entry: dict[str, Any], where: str, folder: Path | None) -> Axis:
         raise InputError(f'{where}: lever is missing; state it, such as lever = "60 mm"')
     rig = _rig(str(entry.get("rig", "")), where, folder)
     changed = {}
-    for key, value in _table(entry, "parameters", where).items():
+    for key, value in table_in(entry, "parameters", where, InputError).items():
         require_known(key, rig.parameters, f"{where} parameters")
         changed[key] = _quantity(value, rig.parameters[key].unit, f"{where} parameters {key}")
     try:
@@ -138,10 +136,3 @@ def _quantity(value: Any, unit: str, what: str) -> float:
         return to_si(value, unit, what)
     except QuantityError as problem:
         raise InputError(str(problem)) from problem
-
-
-def _table(data: dict[str, Any], key: str, where: str) -> dict[str, Any]:
-    table = data.get(key, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{where}: {key} has to be a table")
-    return table

@@ -1,6 +1,5 @@
 """Campaign files: what a campaign is, as TOML, with options in place of or beside it."""
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 from analog_card.design_file import load_design
 from analog_card.imperfections import Imperfections
 from analog_card.quantities import to_si
+from analog_card.toml_file import read_toml
 from pneuservo.campaign.axes import Axis, Random, read_axis
 from pneuservo.campaign.metrics import METRICS, OF_RECORDED, OF_SET_POINTS
 from pneuservo.campaign.parameters import variable_parameters
@@ -62,13 +62,7 @@ def read_settings(path: str | Path) -> dict[str, Any]:
         When it cannot be read, or holds an unknown key or a value of the wrong kind.
     """
     path = Path(path)
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise InputError(f"{path}: {problem.strerror}; a campaign file is needed") from problem
-    # Very deep nesting and very long integers make the parser give up in its own ways.
-    except (UnicodeDecodeError, RecursionError, ValueError) as problem:
-        raise InputError(f"{path}: is not valid TOML: {problem}") from problem
+    data = read_toml(path, "a campaign file", InputError)
     for key, value in data.items():
         require_known(key, _KEYS, str(path))
         if not isinstance(value, _KEYS[key]) or isinstance(value, bool):

@@ -2,12 +2,12 @@
 
 import datetime
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from analog_card.toml_file import read_toml, table_in
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
@@ -136,10 +136,10 @@ def read_sidecar(data_path: Path) -> Sidecar:
         return Sidecar(path)
     if not path.is_file():
         raise InputError(f"{path}: the sidecar is not a file; move it away")
-    data = _parse(path)
+    data = read_toml(path, "a sidecar", InputError)
     for key in data:
         require_known(key, _TABLES, str(path))
-    tables = {key: _table(data, key, path) for key in _TABLES}
+    tables = {key: table_in(data, key, path, InputError) for key in _TABLES}
     head = tables["recording"]
     for key in head:
         require_known(key, ("title", "rig", "taken", "notes"), f"{path}: [recording]")
@@ -157,27 +157,6 @@ def read_sidecar(data_path: Path) -> Sidecar:
         time=_time_source(tables["time"], f"{path}: [time]") if "time" in data else None,
         channels=_channel_sources(tables["channels"], path) if "channels" in data else None,
     )
-
-
-def _parse(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError as problem:
-        raise InputError(f"{path}: the sidecar is not UTF-8 text; save it as UTF-8") from problem
-    except tomllib.TOMLDecodeError as problem:
-        raise InputError(f"{path}: the sidecar is not valid TOML: {problem}") from problem
-    except (ValueError, RecursionError) as problem:
-        # Whole numbers of thousands of digits, and lists within lists without end.
-        raise InputError(f"{path}: the sidecar cannot be read: {problem}") from problem
-    except OSError as problem:
-        raise InputError(f"{path}: the sidecar cannot be read: {problem.strerror}") from problem
-
-
-def _table(data: dict[str, Any], key: str, path: Path) -> dict[str, Any]:
-    table = data.get(key, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{path}: {key} is {table!r}; it has to be a table, [{key}]")
-    return table
 
 
 def _typed(table: Mapping[str, Any], key: str, kind: type, default: Any, where: str) -> Any:

@@ -10,6 +10,7 @@ from typing import Any
 
 from analog_card.errors import InputError as QuantityError
 from analog_card.quantities import to_si
+from analog_card.toml_file import read_toml, table_in
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest, require_known
 from pneuservo.rigs.session import Session, read_session
@@ -218,18 +219,7 @@ def load_rig(name_or_path: str | Path) -> Rig:
             f"rig {name!r} is not known; there are: {', '.join(known)}, "
             "or give the path of a rig file ending in .toml" + nearest(name, known)
         )
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as problem:
-        raise InputError(f"{path}: there is no such rig file") from problem
-    except IsADirectoryError as problem:
-        raise InputError(f"{path}: is a folder, a rig file is needed") from problem
-    except (OSError, UnicodeDecodeError) as problem:
-        raise InputError(f"{path}: cannot be read as text: {problem}") from problem
-    # Very deep nesting and very long integers make the parser give up in its own ways.
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as problem:
-        raise InputError(f"{path}: is not valid TOML: {problem}") from problem
-    return _merge(data, path)
+    return _merge(read_toml(path, "a rig file", InputError), path)
 
 
 def _read_built_in(name: str) -> dict[str, Any]:
@@ -249,7 +239,7 @@ def _merge(data: dict[str, Any], path: Path) -> Rig:
     # `diagnosis` is what a repaired model says of how it came about; it changes nothing.
     for key in data:
         require_known(key, ("rig", "parameters", "effects", "transducers", "diagnosis"), str(path))
-    head = _table(data, "rig", path)
+    head = table_in(data, "rig", path, InputError)
     kind = head.get("kind")
     if kind not in BUILT_IN_RIGS:
         raise InputError(
@@ -260,13 +250,15 @@ def _merge(data: dict[str, Any], path: Path) -> Rig:
         require_known(key, ("kind", "title", "valve"), f"{path} [rig]")
     base = _built_in(kind)
     parameters = dict(base.parameters)
-    for key, entry in _table(data, "parameters", path).items():
+    for key, entry in table_in(data, "parameters", path, InputError).items():
         require_known(key, parameters, f"{path} [parameters]")
         parameters[key] = _parameter(entry, parameters[key].unit, f"{path} {key}", parameters[key])
-    effects = _effects(_table(data, "effects", path), kind, f"{path} [effects]")
-    transducers = read_transducers(_table(data, "transducers", path), kind, f"{path} [transducers]")
+    effects = _effects(table_in(data, "effects", path, InputError), kind, f"{path} [effects]")
+    transducers = read_transducers(
+        table_in(data, "transducers", path, InputError), kind, f"{path} [transducers]"
+    )
     title, valve = head.get("title", base.title), str(head.get("valve", base.valve))
-    session = read_session(_table(data, "diagnosis", path), f"{path} [diagnosis]")
+    session = read_session(table_in(data, "diagnosis", path, InputError), f"{path} [diagnosis]")
     valve = _valve(valve, path)
     return Rig(str(path), kind, str(title), parameters, effects, valve, transducers, session)
 
@@ -278,13 +270,6 @@ def _valve(valve: str, path: Path) -> str:
     if Path(valve).name != valve:
         raise InputError(f"{path} [rig]: valve is {valve!r}; a valve file stands beside the rig's")
     return str(path.parent / valve)
-
-
-def _table(data: dict[str, Any], key: str, path: Path) -> dict[str, Any]:
-    table = data.get(key, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{path}: {key} has to be a table, [{key}]")
-    return table
 
 
 def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) -> Parameter:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from analog_card.toml_file import table_in
 from pneuservo.errors import InputError
 
 
@@ -79,10 +80,10 @@ def read_session(table: Mapping[str, Any], where: str) -> Session | None:
         return None
     misfit = {
         channel: _number(value, f"{where} misfit {channel}")
-        for channel, value in _table(table, "misfit", where).items()
+        for channel, value in table_in(table, "misfit", where, InputError).items()
     }
     values, units, freedom = {}, {}, {}
-    for name, entry in _table(table, "values", where).items():
+    for name, entry in table_in(table, "values", where, InputError).items():
         each = entry.get("each") if isinstance(entry, dict) else None
         if not isinstance(each, list) or len(each) != len(names):
             raise InputError(
@@ -93,13 +94,6 @@ def read_session(table: Mapping[str, Any], where: str) -> Session | None:
         units[name] = str(entry.get("unit", ""))
         freedom[name] = int(_number(entry.get("freedom", 0), f"{where} values {name} freedom"))
     return Session(tuple(names), misfit, values, units, freedom)
-
-
-def _table(table: Mapping[str, Any], key: str, where: str) -> Mapping[str, Any]:
-    entry = table.get(key, {})
-    if not isinstance(entry, dict):
-        raise InputError(f"{where}: {key} has to be a table")
-    return entry
 
 
 def _number(value: Any, what: str) -> float:

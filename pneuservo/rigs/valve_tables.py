@@ -4,12 +4,12 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analog_card.toml_file import read_toml
 from pneuservo.errors import InputError
 
 FLOW_PATHS = ("s_a", "b_e", "s_b", "a_e")
@@ -61,7 +61,7 @@ def load_valve_tables(name: str) -> dict[str, FlowPathTable]:
     0.8
     """
     if name.endswith(".toml"):
-        return _tables(_read(Path(name)), name)
+        return _tables(read_toml(name, "a valve file", InputError), name)
     folder = files("pneuservo.rigs") / "valves"
     known = sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir())
     if name not in known:
@@ -70,16 +70,6 @@ def load_valve_tables(name: str) -> dict[str, FlowPathTable]:
             "valve file ending in .toml"
         )
     return _tables(tomllib.loads((folder / f"{name}.toml").read_text(encoding="utf-8")), name)
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as problem:
-        raise InputError(f"{path}: cannot be read: {problem.strerror}") from problem
-    # Very deep nesting and very long integers make the parser give up in its own ways.
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, ValueError) as problem:
-        raise InputError(f"{path}: is not valid TOML: {problem}") from problem
 
 
 def _tables(data: dict[str, Any], where: str) -> dict[str, FlowPathTable]:

@@ -82,7 +82,7 @@ def test_tune_prints_json_only(analog_card):
         ("tune --settling-time 0.07 --level 9", "P4 (level) cannot reach"),
         ("tune --settling-time 0.07 --damping 2", "above 1"),
         ("tune --settling-time 0.07 --design bad.toml", "nearest is 'velocity_resistance'"),
-        ("tune --settling-time 0.07 --design no.toml", "no.toml: No such file"),
+        ("tune --settling-time 0.07 --design no.toml", "no.toml: cannot be read: No such file"),
         ("tune --settling-time 0.07 --out bad.toml/card.toml", "bad.toml"),
         ("verify --design bad.toml", "bad.toml"),
         ("tolerance --jobs two", "'two' is not a whole number; allowed: 1 and more"),

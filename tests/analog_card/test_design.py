@@ -127,7 +127,7 @@ def test_what_is_written_reads_back(tmp_path):
             "soldered.inverter.resistance.tolerance is -0.1",
         ),
         ("title = 3\n", "title is 3, a text is needed"),
-        ("title = \n", "not TOML"),
+        ("title = \n", "not valid TOML"),
     ],
 )
 def test_refusals_name_file_and_remedy(tmp_path, text, expected):
@@ -140,7 +140,7 @@ def test_refusals_name_file_and_remedy(tmp_path, text, expected):
 
 
 def test_a_file_that_is_not_there_or_not_text(tmp_path):
-    with pytest.raises(InputError, match=r"no\.toml: No such file"):
+    with pytest.raises(InputError, match=r"no\.toml: cannot be read: No such file"):
         load_design(tmp_path / "no.toml")
     binary = tmp_path / "card.toml"
     binary.write_bytes(b"\xff\xfe\x00")

@@ -205,7 +205,7 @@ REFUSED = {
     ),
     "channels missing": (["{axis}"], ["single-axis", "valve_voltage", "--rig"]),
     "rig unknown": (["{leak1}", "--rig", "dead-volum"], ["dead-volum", "Did you mean"]),
-    "rig file missing": (["{leak1}", "--rig", "gone.toml"], ["gone.toml", "no such rig file"]),
+    "rig file missing": (["{leak1}", "--rig", "gone.toml"], ["gone.toml", "a rig file is needed"]),
     "window outside": (["{leak1}", "--window", "100:200"], ["100", "200", "20"]),
     "window backwards": (["{leak1}", "--window", "5:2"], ["--window", "5:2"]),
     "window without a colon": (["{leak1}", "--window", "5"], ["--window", "1.5:4"]),

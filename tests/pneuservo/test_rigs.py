@@ -115,7 +115,7 @@ def test_refusals_name_what_is_wrong(tmp_path, text, message):
 def test_unknown_names_are_answered_with_the_known_ones(tmp_path):
     with pytest.raises(InputError, match="Did you mean 'single-axis'"):
         load_rig("singleaxis")
-    with pytest.raises(InputError, match="no such rig file"):
+    with pytest.raises(InputError, match="a rig file is needed"):
         load_rig(tmp_path / "none.toml")
     with pytest.raises(InputError, match="ddv-27a1"):
         load_valve_tables("ddv")

@@ -76,10 +76,13 @@ def test_a_file_without_proper_tables_is_refused(tmp_path, change, message):
         load_valve_tables(str(file))
 
 
-def test_text_that_is_no_toml_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("text", "message"), [(b"\xff\xfe[path", "not UTF-8"), (b"[path", "not valid TOML")]
+)
+def test_text_that_is_no_toml_is_refused(text, message, tmp_path):
     file = tmp_path / "valve.toml"
-    file.write_bytes(b"\xff\xfe[path")
-    with pytest.raises(InputError, match="not valid TOML"):
+    file.write_bytes(text)
+    with pytest.raises(InputError, match=message):
         load_valve_tables(str(file))
 
 
