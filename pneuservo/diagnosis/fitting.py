@@ -20,7 +20,11 @@ from pneuservo.errors import FitError
 from pneuservo.intervals import INTERVAL
 
 _DIFFERENCE_STEP = 1e-6
-_MOST_EVALUATIONS = 60
+_MOST_EVALUATIONS = 30
+_STOPPED_SHORT = 0
+"""A reflective trust region that has made all its evaluations creeps along the valley of two values
+that look alike, and a dogleg ends the fit in three more: an asymmetry beside a load cell's zero was
+left at 65 instead of 38. From the beginning it would lead closed volumes astray."""
 _CLOSE, _ENOUGH = 1e-6, 1e-5
 """Relative drop of the sum of squares below which a fit ends, and one from kept sensitivities."""
 _FEW_EVALUATIONS = 15
@@ -298,9 +302,11 @@ def _solve(
             "method": method,
         }
     with np.errstate(all="ignore"):
-        found: Any = least_squares(
-            problem.cost_vector, begin, bounds=(low, high), x_scale="jac", **how
-        )
+        how |= {"bounds": (low, high), "x_scale": "jac"}
+        found: Any = least_squares(problem.cost_vector, begin, **how)
+        if found.status == _STOPPED_SHORT and not problem.model.steady:
+            further = least_squares(problem.cost_vector, found.x, **how, method="dogbox")
+            found = min(found, further, key=lambda each: each.cost)
     if not np.isfinite(found.cost) or found.cost > 1e17:
         tried = ", ".join(hypothesis.members) or "the baseline"
         raise FitError(
