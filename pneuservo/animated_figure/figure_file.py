@@ -56,17 +56,14 @@ def load_figure(name_or_path: str | Path) -> AnimatedFigure:
             f"figure {name!r} is not known; there are: {', '.join(BUILT_IN_FIGURES)}, or give the "
             "path of a figure file ending in .toml" + nearest(name, BUILT_IN_FIGURES)
         )
-    data = read_toml(path, "a figure file", InputError)
-    return _figure(data, name, path.parent)
+    return _figure(read_toml(path, "a figure file", InputError), name, path.parent)
 
 
 def _figure(data: dict[str, Any], name: str, folder: Path | None) -> AnimatedFigure:
     for key in data:
         require_known(key, ("figure", "frame", "axes"), name)
-    head, frame = (
-        table_in(data, "figure", name, InputError),
-        table_in(data, "frame", name, InputError),
-    )
+    head = table_in(data, "figure", name, InputError)
+    frame = table_in(data, "frame", name, InputError)
     for key in head:
         require_known(key, ("title", "source", "gravity"), f"{name} [figure]")
     listed = table_in(data, "axes", name, InputError)
