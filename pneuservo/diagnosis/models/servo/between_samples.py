@@ -166,11 +166,23 @@ def tells_noise(fed: Feed) -> bool:
     return bool(np.any(_heard(fed)))
 
 
+def tells_noise_alone(fed: Feed) -> bool:
+    """Return whether a command tells so by a gain, and its bends are not fitted.
+
+    Parameters
+    ----------
+    fed : Feed
+        Of a recording.
+    """
+    return not fed.of_noise and tells_noise(fed)
+
+
 def _read_again(fed: Feed, rig: Rig) -> Feed:
     """Return a feed whose command runs on with what is known of it now."""
     told = _told(fed, fed.voltage)
     command = running_command(fed.time, fed.voltage, rig["valve.full_voltage"], told)
-    return with_spread(replace(fed, command=command, unseen=unseen(fed.voltage, told)), rig)
+    known = unseen(fed.voltage, told, of_noise=fed.of_noise)
+    return with_spread(replace(fed, command=command, unseen=known), rig)
 
 
 def _jumps(voltage: Array) -> NDArray[np.bool_]:
@@ -260,7 +272,7 @@ _SET_POINT: tuple[tuple[AsGiven, Asked], ...] = (
 _NOISE: tuple[tuple[AsGiven, Asked], ...] = (
     (_as_it_is, _always),
     (with_heard_noise, tells_noise),
-    (with_noise_that_runs_on, tells_noise),
+    (with_noise_that_runs_on, tells_noise_alone),
 )
 OTHER_WAYS: tuple[tuple[AsGiven, Asked], ...] = (
     (with_held_command, _always),

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.models.servo.gaps import GAP
+from pneuservo.diagnosis.models.servo.noisy_command import without_jumps
 from pneuservo.diagnosis.models.servo.set_point import AtOnce, beside
 
 FINEST_PART = 250e-6
@@ -16,6 +17,8 @@ _EDGE = 0.6
 half of it to either side, and a little for what a curve swings over beside it."""
 _CURVE = 0.05
 """Error of a curve through samples, as a share of how sharply they bend."""
+_BENT = 0.2
+"""Share of that which is left where its bends are fitted."""
 _OF_A_JUMP = 2.0
 """A command that moves by more than so many times what it does in both neighbours jumps."""
 _SETTLED = 6.0
@@ -110,13 +113,16 @@ def running_command(time: Array, voltage: Array, limit: float, told: AtOnce | No
     return np.clip(found, -limit, limit)
 
 
-def unseen(voltage: Array, told: AtOnce | None = None) -> Array:
+def unseen(voltage: Array, told: AtOnce | None = None, of_noise: bool = False) -> Array:
     """Return by how much a command that runs on may be off between two samples [V].
 
     Parameters
     ----------
     voltage, told
         As in `running_command`.
+    of_noise : bool, optional
+        Whether it is the noise that its loop hears, and its bends are fitted, see
+        `pneuservo.diagnosis.models.servo.noisy_command`.
 
     Returns
     -------
@@ -143,7 +149,10 @@ def unseen(voltage: Array, told: AtOnce | None = None) -> Array:
     jump = np.maximum(moves - _OF_A_JUMP * beside(moves), 0.0)
     curve = np.abs(np.diff(change, prepend=change[0], append=change[-1]))
     bend = np.maximum(curve[:-1], curve[1:])
-    off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(smooth))
+    if of_noise:
+        off = np.where(without_jumps(change), _BENT * _CURVE * bend, _EDGE * jump + _CURVE * bend)
+    else:
+        off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(smooth))
     return np.append(off, off[-1:])
 
 

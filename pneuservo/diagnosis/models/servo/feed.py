@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.recent import Recent
+from pneuservo.diagnosis.models.servo.noisy_command import bends_of
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST, moments_of_rest
@@ -48,6 +49,8 @@ class Feed:
         Whether the set point stays as it is from sample to sample.
     converted : bool
         Whether a computer puts the command out a little after the sample that it is made of.
+    of_noise : bool
+        Whether what the command does from sample to sample is noise that its loop hears.
     jumps : (n - 1,) array of bool
         Intervals at whose end the command jumps, and until when it stays as it is; empty where it
         is not taken to.
@@ -146,6 +149,7 @@ class Feed:
     turning_unsteadiness: float = 1.0
     in_steps: bool = False
     converted: bool = False
+    of_noise: bool = False
     jumps: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_), repr=False)
     heard: Array = field(default_factory=lambda: np.empty(0), repr=False)
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
@@ -157,6 +161,13 @@ class Feed:
     def ramped(self) -> bool:
         """Return whether the command runs on between samples instead of being held."""
         return bool(np.any(self.command[:, 0] != self.command[:, -1]))
+
+    @cached_property
+    def bends(self) -> Array:
+        """Return what the command may do between samples if it runs on and is its loop's noise."""
+        if self.of_noise and self.ramped:
+            return bends_of(self.voltage, self.command.shape[1] - 1)
+        return np.empty(0)
 
     @cached_property
     def done(self) -> Recent:

@@ -1,6 +1,7 @@
 """A recording of the servo turned into what its observer is fed with."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,8 +9,9 @@ from pneuservo.diagnosis.models.servo.command import running_command, unseen
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, PRESSURES, SUPPLY, Array, Feed
 from pneuservo.diagnosis.models.servo.gaps import blind
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
-from pneuservo.diagnosis.models.servo.moved import moved_by
-from pneuservo.diagnosis.models.servo.set_point import at_once, gain_of_set_point
+from pneuservo.diagnosis.models.servo.moved import moved_by, with_spread
+from pneuservo.diagnosis.models.servo.noisy_command import made_of_noise
+from pneuservo.diagnosis.models.servo.set_point import at_its_limit, at_once, gain_of_set_point
 from pneuservo.diagnosis.noise import noise_level
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -90,7 +92,12 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         noise=noise,
         spread_of_force=spread_of_force,
     )
-    return moved_by(fed, rig, spread_of_force if all(fed.measured) else None)
+    fed = moved_by(fed, rig, spread_of_force if all(fed.measured) else None)
+    noise = fed.reading - fed.motion[0]
+    if not made_of_noise(voltage, noise, np.isfinite(noise) & ~at_its_limit(voltage)):
+        return fed
+    known = unseen(voltage, told, of_noise=True)
+    return with_spread(replace(fed, of_noise=True, unseen=known), rig)
 
 
 def _noise(recording: Recording, channel: str, rig: Rig) -> float:

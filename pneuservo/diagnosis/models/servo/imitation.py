@@ -11,6 +11,7 @@ from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
+from pneuservo.diagnosis.models.servo.noisy_command import COMMAND_BENDS, bent
 from pneuservo.diagnosis.models.servo.run_observer import (
     COMMAND_DELAY,
     SPOOL_GAIN,
@@ -34,7 +35,14 @@ _AT_ONCE = 1e-6
 """What takes no longer takes no time [s]."""
 _UNLIMITED = 1e6
 """Level of the controller: the valve driver limits the command [V]."""
-_OWN = {ZERO_FORCE: 0.0, SUPPLY_LEVEL: 0.0, COMMAND_DELAY: 0.0, SPOOL_ZERO: 0.0, SPOOL_GAIN: 1.0}
+_OWN = {
+    ZERO_FORCE: 0.0,
+    SUPPLY_LEVEL: 0.0,
+    COMMAND_DELAY: 0.0,
+    **dict.fromkeys(COMMAND_BENDS, 0.0),
+    SPOOL_ZERO: 0.0,
+    SPOOL_GAIN: 1.0,
+}
 """What belongs to a recording alone, and what it is where nothing was fitted."""
 
 
@@ -86,8 +94,8 @@ def imitated(
         The rig as fitted, with the effects found so far.
     own : mapping of str to float
         Force that the zeros of the pressure transducers pretend, pressure of the source where the
-        supply was measured, what converters take, and zero and gain of the spool's transducer, as
-        in `pneuservo.diagnosis.models.servo.run_observer`.
+        supply was measured, what converters take, how the command bends, and zero and gain of the
+        spool's transducer, as in `pneuservo.diagnosis.models.servo.run_observer`.
     rng : Generator
         Of the noise.
 
@@ -157,7 +165,8 @@ def _kept_to_the_path(
     # In parts of an interval where the command runs on: within each it is held.
     held = fed.voltage[:, np.newaxis]
     if fed.ramped:
-        held = as_it_may_have_been(fed.command, fed.voltage, rng)
+        command = bent(fed.command, fed.bends, own, rig["valve.full_voltage"])
+        held = as_it_may_have_been(command, fed.voltage, rng)
     parts = held.shape[1]
     time = in_parts(fed.time, parts)
     late = own[COMMAND_DELAY]

@@ -10,6 +10,7 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     SPOOL_ZERO,
     ZERO_SPREAD,
 )
+from pneuservo.diagnosis.models.servo.noisy_command import COMMAND_BENDS
 from pneuservo.diagnosis.models.servo.run_observer import (
     COMMAND_DELAY,
     REVERSAL,
@@ -25,6 +26,8 @@ _CONVERSION_SPREAD = 2e-5
 """How long converters take to put out a command [s], as a rule ..."""
 _LONGEST_CONVERSION = 1e-4
 """... and at the most, and no longer than half a sampling interval."""
+_BEND_SPREAD = 0.1
+"""What a command of noise goes on by in an interval, as a share of how it bends."""
 
 
 def nuisances_of(case: Case, fitted: bool) -> list[Unknown]:
@@ -38,7 +41,8 @@ def nuisances_of(case: Case, fitted: bool) -> list[Unknown]:
         Whether what is known beforehand may be off: the force that the drifting zeros of the
         pressure transducers pretend, as large as their noise; the speed over which friction turns
         round, for the velocity is smoothed, and real friction gives way by some micrometres before
-        it slips; and how long a computer takes to put out its command.
+        it slips; how long a computer takes to put out its command; and what a command that is full
+        of its loop's own noise does between samples.
 
     Notes
     -----
@@ -54,6 +58,9 @@ def nuisances_of(case: Case, fitted: bool) -> list[Unknown]:
     if fitted and case.inputs["leads"] and fed.converted:
         longest = min(_LONGEST_CONVERSION, 0.5 * fed.interval)
         found.append(Unknown(COMMAND_DELAY, 0.0, 0.0, longest, _CONVERSION_SPREAD, "s"))
+    if fitted and case.inputs["leads"] and len(fed.bends):
+        for name in COMMAND_BENDS:
+            found.append(Unknown(name, 0.0, -np.inf, np.inf, _BEND_SPREAD, ""))
     if case.inputs["leads"] and fed.supply is not None:
         level = float(np.mean(fed.supply))
         found.append(Unknown(SUPPLY_LEVEL, level, 0.5 * level, 2.0 * level, None, "Pa"))

@@ -10,6 +10,7 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     SPOOL_ZERO,
     beyond_expected,
 )
+from pneuservo.diagnosis.models.servo.noisy_command import bends_in, bent
 from pneuservo.diagnosis.models.servo.observer import observe
 from pneuservo.diagnosis.models.servo.rests import averaged
 from pneuservo.diagnosis.models.servo.spool import MOVED, follow_spool
@@ -251,6 +252,7 @@ def _observe(
     force = fed.force + values.get(ZERO_FORCE, 0.0)
     # How far a lagging transducer is behind, the observer knows better than smoothed rates do.
     lagging = pressures - effects.sensor.pressure_lag * fed.pressure_rates / _as_read(effects)
+    command = bent(fed.command, fed.bends, values, plant.valve.full_voltage)
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
     )
@@ -263,7 +265,7 @@ def _observe(
         steps = steps_beside(fed.steps, fed.time, fields)
     found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
-        fed.command,
+        command,
         np.vstack([np.where(fed.read, lagging, np.nan), fed.reading]),
         fed.motion,
         motion,
@@ -289,13 +291,15 @@ def _observe(
         valve_grid(rig.valve),
         state,
         steps,
-        _moves_of_spool(fed, servo, float(state[SPOOL]), steps),
+        _moves_of_spool(fed, command, values, servo, float(state[SPOOL]), steps),
     )
     found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
     return found
 
 
-def _moves_of_spool(fed: Feed, servo: Servo, opening: float, steps: Steps) -> Array:
+def _moves_of_spool(
+    fed: Feed, command: Array, values: Values, servo: Servo, opening: float, steps: Steps
+) -> Array:
     """Return how the spool moves; what does not touch it shares this.
 
     With a flow force it moves with the chambers, and only room is made.
@@ -305,8 +309,8 @@ def _moves_of_spool(fed: Feed, servo: Servo, opening: float, steps: Steps) -> Ar
         return np.empty((int(np.sum(steps[:-1])), MOVED))
     reply = (valve.full_voltage, valve.spool_frequency, valve.spool_damping)
     return fed.spools.get(
-        (spool, reply, opening, steps.tobytes()),
-        lambda: follow_spool(fed.time, fed.command, steps, opening, servo),
+        (spool, reply, opening, steps.tobytes(), bends_in(values)),
+        lambda: follow_spool(fed.time, command, steps, opening, servo),
     )
 
 
