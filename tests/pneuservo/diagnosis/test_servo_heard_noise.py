@@ -5,8 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
-from pneuservo.controllers import DigitalSlidingMode, SlidingMode
+from pneuservo.controllers import DigitalSlidingMode, Proportional, SlidingMode
 from pneuservo.diagnosis import diagnose, document
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.readings import ranked_readings
@@ -31,9 +32,9 @@ def rig():
     return replace(load_rig("single-axis"), transducers=noise)
 
 
-def likeliest(run, rig, time=TIME):
-    channels = {name: run[name] for name in RECORDED}
-    cases = ServoModel().cases(Recording("run", time, channels, noise_rms=NOISE), rig)
+def likeliest(run, rig, time=TIME, noise=NOISE):
+    channels = {name: run[name] for name in RECORDED if name in run}
+    cases = ServoModel().cases(Recording("run", time, channels, noise_rms=noise), rig)
     model = ServoModel()
     best = ranked_readings(model, model.readings(cases), lambda step: None)[0]
     spool = best.baseline.shared[FREQUENCY]
@@ -70,6 +71,28 @@ def test_noise_that_runs_on_beside_a_set_point_that_comes_in_steps(rig):
     assert fed.in_steps
     # Read with the steps alone, all that it hears is unknown between samples.
     assert np.median(fed.unseen) < 0.02
+
+
+def test_noise_that_has_passed_the_filters_of_a_state_feedback(rig):
+    known = {"displacement": 5e-6, "pressure_a": 150.0, "pressure_b": 150.0}
+    fine, sampled = 5e-5, np.arange(0.0, 3.0, 1e-3)
+    time = np.arange(0.0, 3.0, fine)
+    noise = known["displacement"] * np.random.default_rng(3).standard_normal(len(sampled))
+    # Velocity and acceleration of a reading, each behind the same three filters of 150 Hz.
+    corner = 2.0 * np.pi * 150.0
+    filters = np.polymul([1.0, corner], np.polymul([1.0, corner], [1.0, corner]))
+    feedback = corner**3 * np.array([0.25, 22.0, 900.0]), filters
+    heard = lsim(feedback, np.interp(time, sampled, noise), time)[1]
+    controller, law = Proportional(), Proportional().law(rig)
+    slope = law.gain * law.weight_displacement
+    demand = 0.015 + 6e-3 * np.sin(4.4 * time) - heard / slope
+    quiet = replace(rig, transducers={"pressure": Transducer(noise=known["pressure_a"])})
+    run = simulate(quiet, time=time, controller=controller, demand=demand, seed=1)
+    read = {name: run[name][:: len(time) // len(sampled)] for name in RECORDED[1:]}
+    read["displacement"] = read["displacement"] + noise
+    fed = likeliest(read, rig, sampled, known)
+    assert fed.ramped
+    assert fed.of_noise
 
 
 def test_a_command_that_a_computer_changes_just_after_it_was_recorded(rig):
