@@ -45,10 +45,11 @@ def made_of_noise(voltage: Array, noise: Array, usable: NDArray[np.bool_]) -> bo
     if len(voltage) <= 2 * (first + _ORDER):
         return False
     given, cause = np.diff(voltage, _ORDER), np.diff(noise, _ORDER)
-    told = np.convolve(~usable, np.ones(_ORDER + 1), mode="valid") == 0.0
     columns = np.array([cause[first - lag : len(cause) - lag] for lag in range(first + 1)]).T
-    given, told = given[first:], told[first:]
-    told = told & without_jumps(given)
+    given = given[first:]
+    # A difference and what was heard before it: all of these samples are usable.
+    told = np.convolve(~usable, np.ones(first + _ORDER + 1), mode="valid") == 0.0
+    told &= without_jumps(given)
     if np.count_nonzero(told) <= 10 * (first + 1):
         return False
     given, columns = given[told], columns[told]
