@@ -9,8 +9,9 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem
 from pneuservo.diagnosis.side_by_side import side_by_side
 
-_STEP = 1e-4
-"""Step of a difference, in units of the unknown's typical size."""
+_STEPS = (1e-4, 1e-2, 0.1)
+"""Step of a difference, in units of the unknown's typical size. The larger ones are for thresholds
+of an effect, which a small step moves past nothing that was recorded."""
 STRAYED = 0.1
 """Share of its size, or of what it has shrunk to, by which a parameter moves before its sensitivity
 is worked out anew: that of a spool at half its frequency has nothing in common with what it began
@@ -95,10 +96,14 @@ class SteadySensitivity:
             _, high = self._problem.bounds
 
             def slope(column: int) -> Array:
-                moved = vector.copy()
-                step = _STEP if moved[column] + _STEP <= high[column] else -_STEP
-                moved[column] += step
-                return (self._problem.cost_vector(moved) - here) / step
+                found = np.zeros_like(here)
+                for step in _STEPS if ":" in self._problem.keys[column] else _STEPS[:1]:
+                    moved = vector.copy()
+                    moved[column] += step if moved[column] + step <= high[column] else -step
+                    found = (self._problem.cost_vector(moved) - here) / (moved - vector)[column]
+                    if found.any():
+                        break
+                return found
 
             for column, found in zip(columns, side_by_side(slope, columns), strict=True):
                 self._matrix[:, column] = found

@@ -12,7 +12,7 @@ CONTACT = Effect(
     equation="F = stiffness d + damping d' over the last length",
     parameters=(
         EffectParameter(
-            "stiffness", "N/m", 0.0, 0.0, 3e7, (1e6, 1e7), "of the bumper", "stop.stiffness",
+            "stiffness", "N/m", 0.0, 1e5, 3e7, (1e6, 1e7), "of the bumper", "stop.stiffness",
             most=2.5e7,  # a stop of steel, of 1e8 N/m, gives way by some micrometres, too
         ),
         EffectParameter(
@@ -33,7 +33,8 @@ CUSHION = Effect(
     equation="Pc' = n/V (R T m(P, Pc, area) + Pc A v) over the last length",
     parameters=(
         EffectParameter(
-            "length", "m", 0.0, 0.0, 0.015, (0.006,), "of the cushion", "stop.cushion_length"
+            "length", "m", 0.0, 0.0, 0.015, (0.003, 0.006, 0.009, 0.012), "of the cushion",
+            "stop.cushion_length",
         ),
         EffectParameter(
             "area", "m**2", 1e-7, 5e-9, 1e-6, (1e-7,), "of the needle", "stop.needle_area"
@@ -41,5 +42,5 @@ CUSHION = Effect(
     ),
     source="Beater 2007, Pneumatic Drives",
     experiment="repeat with the needles open and closed",
-)
+)  # fmt: skip
 EFFECTS = (CONTACT, CUSHION)

@@ -254,6 +254,25 @@ NOISE_COLOUR = Effect(
     source="mains and carrier residue; Doebelin",
     experiment="record with the air off",
 )
+GROUND_SHIFT = Effect(
+    id="sensor.ground-shift",
+    block=_PRESSURE,
+    rigs=_RIGS,
+    statement=(
+        "The valve's current shifts the ground of the pressures' readings; "
+        "the model takes them as true."
+    ),
+    equation="p_a,read = p_a + shift_a u, p_b,read = p_b + shift_b u",
+    parameters=tuple(
+        EffectParameter(
+            f"shift_{chamber}", "Pa/V", 0.0, -5e3, 5e3, (500.0, -500.0),
+            f"of the reading of chamber {chamber}", f"sensor.ground_shift_{chamber}",
+        )
+        for chamber in ("a", "b")
+    ),
+    source="common lead of 0.1 ohm and 0.5 A at full command: 50 mV, 1 kPa/V at 10 bar to 10 V",
+    experiment="step the command with the air off",
+)  # fmt: skip
 EFFECTS = (
     PRESSURE_DRIFT,
     PRESSURE_GAIN,
@@ -272,4 +291,5 @@ EFFECTS = (
     PRESSURE_LAG,
     CLOCK,
     NOISE_COLOUR,
+    GROUND_SHIFT,
 )

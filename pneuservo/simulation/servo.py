@@ -178,6 +178,7 @@ def _read(
         columns["pressure_b"],
         flow_a,
         flow_b,
+        columns["valve_voltage"],
         plant.gas,
         sensor,
     )
@@ -212,7 +213,7 @@ def state_behind(initial: InitialState, rig: Rig, plant: SingleAxis) -> InitialS
     Returns
     -------
     InitialState
-        Lags cannot be undone from one sample and are left.
+        Lags, and what the command shifts, cannot be undone from one sample and are left.
     """
     begun = drifted(Servo(plant, _without_lags(rig.effect_values), OPEN_LOOP), 0.0)
     sensor = begun.effects.sensor
@@ -235,7 +236,7 @@ def state_behind(initial: InitialState, rig: Rig, plant: SingleAxis) -> InitialS
             pair = behind_reference(
                 moment, np.array([reading]), plant.ambient_pressure, begun.effects.unexplained_drift
             )
-            found = true_pressures(moment, pair, pair, sensor)
+            found = true_pressures(moment, pair, pair, np.zeros(1), sensor)
             known[name] = float(found[name == "pressure_b"][0])
     return dataclasses.replace(initial, **known)
 

@@ -98,4 +98,19 @@ EFFECTS = (
         ),
         _FAST,
     ),
+    ConcealedEffect(
+        "sensor.ground-shift", SENSOR, _PRESSURE, 30.0, 3e3, "Pa/V",
+        (
+            Form(
+                "amplifier shares a lead with one transducer",
+                lambda t, s: changed(t, "sensors", shift_by_command=s),
+                shared=True,
+            ),
+            Form(
+                "coil shares a lead with both",
+                lambda t, s: changed(t, "sensors", shift_by_coil=t.spool.full_voltage * s),
+            ),
+        ),
+        _FAST,
+    ),
 )  # fmt: skip

@@ -188,6 +188,8 @@ class Sensors(NamedTuple):
     pipe_bore: float = 2e-3  # [m]
     folded: float = 0.0  # amplitude of a disturbance near the sampling rate, pressure a [Pa]
     folded_frequency: float = 1001.7  # [Hz]
+    shift_by_command: float = 0.0  # of pressure b's ground, by the valve's amplifier [Pa/V]
+    shift_by_coil: float = 0.0  # of both, by what holds the spool off its middle [Pa]
 
 
 class Truth(NamedTuple):

@@ -222,7 +222,7 @@ def _run(
         )
         if index % every == 0:
             sample = index // every
-            p_a, p_b = read_pressures(time, y, work[0], flows, truth.sensors, truth.network)
+            p_a, p_b = read_pressures(time, y, work[0], flows, volts, truth.sensors, truth.network)
             readings[sample, 0], readings[sample, 1] = volts, reading
             readings[sample, 2], readings[sample, 3] = p_a, p_b
             readings[sample, 4] = supply

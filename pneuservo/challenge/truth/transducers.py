@@ -39,8 +39,8 @@ def missed_pressure(flow, pressure, sensors, network):
 
 
 @truth_kernel
-def read_pressures(time, y, rates, flows, sensors, network):
-    """Return the two chamber pressures that are read [Pa]."""
+def read_pressures(time, y, rates, flows, volts, sensors, network):
+    """Return the two chamber pressures that are read [Pa], at a command in V."""
     p_a, p_b = y[at.PRESSURE_A], y[at.PRESSURE_B]
     if 0.0 < sensors.pressure_lag < SHORT_LAG:
         p_a -= sensors.pressure_lag * rates[at.PRESSURE_A]
@@ -51,7 +51,11 @@ def read_pressures(time, y, rates, flows, sensors, network):
         p_a -= missed_pressure(flows[0], p_a, sensors, network)
         p_b -= missed_pressure(flows[1], p_b, sensors, network)
     p_a += sensors.folded * math.sin(2.0 * math.pi * sensors.folded_frequency * time)
+    by_coil = sensors.shift_by_coil * y[at.SPOOL]
     return (
-        sensors.pressure_gain_a * p_a + sensors.pressure_offset_a,
-        sensors.pressure_gain_b * p_b + sensors.pressure_offset_b,
+        sensors.pressure_gain_a * p_a + sensors.pressure_offset_a + by_coil,
+        sensors.pressure_gain_b * p_b
+        + sensors.pressure_offset_b
+        + by_coil
+        + sensors.shift_by_command * volts,
     )

@@ -154,6 +154,8 @@ def _effects_with_factor(effects, read):
             sensor.hum,
             sensor.hum_frequency,
             sensor.hum_phase,
+            sensor.ground_shift_a,
+            sensor.ground_shift_b,
         ),
         effects.unexplained_force,
         effects.unexplained_flow_a,

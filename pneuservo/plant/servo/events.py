@@ -3,7 +3,7 @@
 from pneuservo.plant.control_law import HELD_VOLTAGE
 from pneuservo.plant.events import is_relay
 from pneuservo.plant.piston import is_moving, motion_from, motion_margin
-from pneuservo.plant.servo.chain import commanded_voltage, motor_command, surface
+from pneuservo.plant.servo.chain import commanded_voltage, motor_command, pressure_share, surface
 from pneuservo.plant.servo.compilation import compiled, compiled_apart
 from pneuservo.plant.servo.mechanics import force_and_piston
 from pneuservo.plant.servo.spool_effects import travel_end
@@ -30,8 +30,8 @@ def spool_margin(state, modes, memory, rows, drive, elapsed, servo):
 
     Notes
     -----
-    As `pneuservo.plant.events.spool_margin`, with ends that may differ and the command that
-    reaches the motor.
+    As `pneuservo.plant.events.spool_margin`, with ends that may differ, the command that reaches
+    the motor, and the flow that pulls the spool off its end.
     """
     limit = modes[SPOOL_LIMIT]
     if limit == SPOOL_FREE:
@@ -40,9 +40,10 @@ def spool_margin(state, modes, memory, rows, drive, elapsed, servo):
     end = travel_end(float(limit), servo.effects.spool)
     command = commanded_voltage(state, modes, memory, drive, elapsed, servo)
     pulled = limit * motor_command(command, memory, rows, drive, elapsed, servo) / full
+    shut = servo.effects.spool.flow_force * end * pressure_share(state, drive, elapsed, servo)
     if law.source == HELD_VOLTAGE or is_relay(law) or law.level < full:
-        return 1.0 if min(pulled, law.level / full) >= end else -1.0
-    return pulled - end
+        return 1.0 if min(pulled, law.level / full) - shut >= end else -1.0
+    return (min(pulled, 1.0) - shut if shut > 0.0 else pulled) - end
 
 
 @compiled

@@ -48,6 +48,9 @@ class SensorEffects(NamedTuple):
     """[Hz]."""
     hum_phase: float = 0.0
     """[rad]."""
+    ground_shift_a: float = 0.0
+    ground_shift_b: float = 0.0
+    """By how much a pressure reads more for each volt of the command [Pa/V]."""
 
 
 @compiled

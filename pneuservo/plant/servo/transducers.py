@@ -77,6 +77,7 @@ def read_pressures(
     pressure_b: Samples,
     mass_flow_a: Samples,
     mass_flow_b: Samples,
+    voltage: Samples,
     gas: Gas,
     sensor: SensorEffects,
 ) -> tuple[Samples, Samples]:
@@ -90,20 +91,23 @@ def read_pressures(
         In the chambers [Pa].
     mass_flow_a, mass_flow_b : (n,) array
         Through the pipes in which the transducers sit [kg/s].
+    voltage : (n,) array
+        Command of the valve [V].
     gas : Gas
         The gas.
     sensor : SensorEffects
         The effects.
     """
     readings = []
+    offset_a, offset_b = _offsets(voltage, sensor)
     for pressure, flow, gain, offset in (
-        (pressure_a, mass_flow_a, sensor.pressure_a_gain, sensor.pressure_a_offset),
-        (pressure_b, mass_flow_b, sensor.pressure_b_gain, sensor.pressure_b_offset),
+        (pressure_a, mass_flow_a, sensor.pressure_a_gain, offset_a),
+        (pressure_b, mass_flow_b, sensor.pressure_b_gain, offset_b),
     ):
         reading = pressure
         if sensor.static_share != 0.0:
             reading = reading - sensor.static_share * dynamic_pressure(flow, pressure, gas)
-        reading = reading * (1.0 + gain) + offset
+        reading = reading * (1.0 + gain)
         if sensor.pressure_skew != 0.0:
             reading = np.interp(time + sensor.pressure_skew, time, reading)
         if sensor.pressure_lag > 0.0:
@@ -111,7 +115,7 @@ def read_pressures(
         if sensor.hum != 0.0:
             angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
             reading = reading + sensor.hum * np.sin(angle)
-        readings.append(reading)
+        readings.append(reading + offset)
     return readings[0], readings[1]
 
 
@@ -173,6 +177,7 @@ def true_pressures(
     time: Samples,
     pressure_a: Samples,
     pressure_b: Samples,
+    voltage: Samples,
     sensor: SensorEffects,
 ) -> tuple[Samples, Samples]:
     """Return the pressures behind what the transducers read of still air [Pa].
@@ -183,6 +188,8 @@ def true_pressures(
         [s].
     pressure_a, pressure_b : (n,) array
         As read [Pa].
+    voltage : (n,) array
+        Command of the valve [V].
     sensor : SensorEffects
         The effects.
 
@@ -191,11 +198,12 @@ def true_pressures(
     A lag is undone by one derivative of the reading, so that it amplifies noise.
     """
     found = []
+    offset_a, offset_b = _offsets(voltage, sensor)
     for reading, gain, offset in (
-        (pressure_a, sensor.pressure_a_gain, sensor.pressure_a_offset),
-        (pressure_b, sensor.pressure_b_gain, sensor.pressure_b_offset),
+        (pressure_a, sensor.pressure_a_gain, offset_a),
+        (pressure_b, sensor.pressure_b_gain, offset_b),
     ):
-        pressure = reading
+        pressure = reading - offset
         if sensor.hum != 0.0:
             angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
             pressure = pressure - sensor.hum * np.sin(angle)
@@ -203,5 +211,13 @@ def true_pressures(
             pressure = pressure + sensor.pressure_lag * np.gradient(pressure, time)
         if sensor.pressure_skew != 0.0:
             pressure = np.interp(time - sensor.pressure_skew, time, pressure)
-        found.append((pressure - offset) / (1.0 + gain))
+        found.append(pressure / (1.0 + gain))
     return found[0], found[1]
+
+
+def _offsets(voltage: Samples, sensor: SensorEffects) -> tuple[Samples, Samples]:
+    """Return what the electronics of the two pressures add, whatever the pressure [Pa]."""
+    return (
+        sensor.pressure_a_offset + sensor.ground_shift_a * voltage,
+        sensor.pressure_b_offset + sensor.ground_shift_b * voltage,
+    )

@@ -315,10 +315,13 @@ def test_readings_can_be_traced_back():
         pressure_a_gain=0.01,
         pressure_a_offset=2e3,
         pressure_skew=0.0,
+        ground_shift_b=-400.0,
     )
-    read_a, read_b = read_pressures(time, pressure, pressure, flow, flow, PLANT.gas, sensor)
+    volts = 5.0 * np.sign(np.sin(25.0 * time))
+    read_a, read_b = read_pressures(time, pressure, pressure, flow, flow, volts, PLANT.gas, sensor)
     assert np.abs(read_a - pressure).max() > 5e3
-    back_a, back_b = true_pressures(time, read_a, read_b, sensor)
+    assert read_b - pressure == pytest.approx(-400.0 * volts)
+    back_a, back_b = true_pressures(time, read_a, read_b, volts, sensor)
     assert back_a == pytest.approx(pressure, rel=1e-12)
     assert back_b == pytest.approx(pressure, rel=1e-12)
     part = np.pi * x / 0.03

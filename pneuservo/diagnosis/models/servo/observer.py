@@ -197,6 +197,7 @@ def observe(
     slope = displacement_gain(true[0, 0], piston.stroke, effects.sensor)
     # As a literal it would have what it is handed to compiled twice.
     last, place = 0.0, np.int64(0)
+    pressed, yielding = math.nan, 0.0
     zeros = np.zeros(3)
     covariance = start_covariance(readings[:, 0], variance, reversal)
     before, after = np.zeros(3), np.zeros(3)
@@ -239,6 +240,11 @@ def observe(
         rising = (effects.sensor.displacement_gain - earlier) / interval
         if not held[k]:
             before[1] = (velocity + lag * lagged - rising * true[0, k]) / slope
+        elif resting[k] != 0 and resting[k + 1] != 0 and effects.stop.stiffness > 0.0:
+            before[1] = after[1] = yielding
+        if held[k]:
+            # What swings on the piston is thrown on by all of the speed that a stop takes.
+            before[2] = after[2] = (after[1] - before[1]) / interval
         free = effects.load.joint_share > 0.0 and not held[k]
         if free:
             before[2] = after[2] = last
@@ -335,6 +341,12 @@ def observe(
             stop = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
             error[2] = readings[2, k + 1] - stop + behind[k + 1]
             error[2] -= displacement_error(stop, piston.stroke, effects.sensor)
+            # What gives way does so as slowly as the pressures change; nan when it has just begun.
+            yielding, pressed = (stop - pressed) / interval, stop
+            if not math.isfinite(yielding):
+                yielding = 0.0
+        else:
+            yielding, pressed = 0.0, math.nan
         moved[:] = 0.0
         for slot in range(3):
             if error[slot] == error[slot]:

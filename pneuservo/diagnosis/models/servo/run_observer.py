@@ -107,7 +107,7 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
         effects.unexplained_drift,
     )
     still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
-    pressures = true_pressures(fed.time, readings[0], readings[1], still)
+    pressures = true_pressures(fed.time, readings[0], readings[1], fed.voltage, still)
     return np.array([place, speed, motion[2] / slope]), np.array(pressures)
 
 
