@@ -33,7 +33,7 @@ CUSHION = Effect(
     equation="Pc' = n/V (R T m(P, Pc, area) + Pc A v) over the last length",
     parameters=(
         EffectParameter(
-            "length", "m", 0.0, 0.0, 0.015, (0.003, 0.006, 0.009, 0.012), "of the cushion",
+            "length", "m", 0.0, 0.0, 0.015, (0.006, 0.003, 0.009, 0.012), "of the cushion",
             "stop.cushion_length",
         ),
         EffectParameter(

@@ -1,5 +1,6 @@
 """Signatures: what each effect of the catalogue changes in a short run of its rig."""
 
+import functools
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -73,7 +74,7 @@ def signature_of(effect: Effect, kind: str, runs: Sequence[Run] = ()) -> Signatu
     Returns
     -------
     Signature
-        In the first run, and at the first of its starts, where it can be resolved; where it never
+        At the first of its starts, and in the first run, where it can be resolved; where it never
         can, where it is largest.
 
     Notes
@@ -100,11 +101,12 @@ def signature_of(effect: Effect, kind: str, runs: Sequence[Run] = ()) -> Signatu
 
 def _signatures(effect: Effect, kind: str, runs: Sequence[Run]) -> Iterator[Signature]:
     names, judged = [p.name for p in effect.parameters], _JUDGED[kind]
-    for run in runs:
-        without = run(effect, {p.name: p.neutral for p in effect.parameters})
-        for starts in itertools.product(*(p.starts for p in effect.parameters)):
-            values = dict(zip(names, starts, strict=True))
-            present = run(effect, values)
+    neutral = {p.name: p.neutral for p in effect.parameters}
+    without_it = [functools.cache(functools.partial(run, effect, neutral)) for run in runs]
+    for starts in itertools.product(*(p.starts for p in effect.parameters)):
+        values = dict(zip(names, starts, strict=True))
+        for run, its_baseline in zip(runs, without_it, strict=True):
+            without, present = its_baseline(), run(effect, values)
             yield Signature(
                 effect,
                 values,

@@ -21,6 +21,8 @@ _LIKELY = 0.5
 _STANDS_OUT = 1.5
 """So many times what is left of the recordings used, and the noise, is no chance: it is known to a
 tenth."""
+_WORSE = 1.2
+"""So many times what the baseline leaves, and the noise, is worth a word."""
 
 
 def quantity(value: float | None, unit: str, step: float = 0.0) -> str:
@@ -103,9 +105,10 @@ def headline(answer: dict[str, Any]) -> str:
     -------
     str
         One sentence; a second where what was held back is predicted far worse than what was used
-        is followed.
+        is followed, or worse than by the baseline.
     """
-    return _answered(answer) + _not_predicted(answer["fit"]["channels"])
+    channels = answer["fit"]["channels"]
+    return _answered(answer) + (_not_predicted(channels) or _predicted_worse(channels))
 
 
 def _answered(answer: dict[str, Any]) -> str:
@@ -113,8 +116,9 @@ def _answered(answer: dict[str, Any]) -> str:
     channel, fit = _most_improved(answer["fit"]["channels"])
     name, unit = channel.replace("_", " "), fit["unit"]
     before, after = fit["before"]["used"], fit["after"]["used"]
-    change = (
-        f"the misfit of the {name} falls from {quantity(before, unit)} to {quantity(after, unit)}"
+    old, new = quantity(before, unit), quantity(after, unit)
+    change = f"the misfit of the {name} " + (
+        f"falls from {old} to {new}" if old != new else f"stays at {new}"
     )
     if answer["verdict"] == "consistent":
         return (
@@ -176,6 +180,24 @@ def _not_predicted(channels: dict[str, Any]) -> str:
     if fit["after"]["used"] < fit["before"]["used"] and _as_much(fit):
         return f"{words}, by the baseline too: what was found is not why."
     return f"{words}. Something is different there, or shows that does not in the others."
+
+
+def _predicted_worse(channels: dict[str, Any]) -> str:
+    """Return a sentence on the channel that the baseline predicted better, if there is one."""
+    worse = {
+        name: fit["after"]["held_back"] / max(fit["before"]["held_back"], fit["noise_rms"], 1e-300)
+        for name, fit in channels.items()
+        if fit["after"]["held_back"] is not None
+    }
+    worst = max(worse, key=worse.__getitem__, default="")
+    if not worst or worse[worst] <= _WORSE:
+        return ""
+    fit = channels[worst]
+    before, after = (quantity(fit[when]["held_back"], fit["unit"]) for when in ("before", "after"))
+    return (
+        f" Of the {worst.replace('_', ' ')} that was held back the baseline leaves less: "
+        f"{before}, not {after}."
+    )
 
 
 def _as_much(fit: dict[str, Any]) -> bool:

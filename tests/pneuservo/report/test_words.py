@@ -29,3 +29,15 @@ def test_what_is_predicted_as_well_is_not_mentioned(held_back):
 def test_less_than_the_noise_is_no_scale():
     # Of a recording that was fitted closely the noise is what others are held against.
     assert "held back" not in headline(answer(2.5e-5, used=1e-6))
+
+
+@pytest.mark.parametrize(("after", "said"), [(2.4e-5, False), (2.9e-5, True)])
+def test_what_the_baseline_predicts_better_is_said(after, said):
+    document = answer(2.2e-5)
+    document["fit"]["channels"]["displacement"]["after"]["held_back"] = after
+    assert ("the baseline leaves less: 0.022 mm, not 0.029 mm" in headline(document)) is said
+
+
+def test_a_misfit_that_reads_the_same_before_and_after_does_not_fall():
+    document = answer(None, used=4.1e-4) | {"verdict": "parameter", "corrected_parameters": {}}
+    assert "the misfit of the displacement stays at 0.41 mm" in headline(document)
