@@ -15,6 +15,7 @@ from pneuservo.diagnosis.judge import (
     TIED,
     UNDECIDED,
     Judge,
+    beyond_nature,
     channel_gain,
     gain,
     is_impossible,
@@ -193,6 +194,9 @@ class ByGain(Judge):
         """Return whether a candidate is impossible, not itself or mostly relief."""
         if name.startswith("param."):
             return is_impossible(name, closer)
+        # The air is no colder than on any rig for the sake of a name.
+        if beyond_nature(closer) - beyond_nature(self.current):
+            return True
         return self._relieves(closer) or self._is_not_itself(name, closer)
 
     def only_relieves(self, name: str, closer: Fit) -> bool:

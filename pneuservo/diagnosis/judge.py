@@ -252,3 +252,15 @@ def is_impossible(name: str, found: Fit) -> bool:
     lowest, highest = NATURAL_LIMITS[parameter]
     low, high = found.intervals[parameter]
     return high < lowest or low > highest
+
+
+def beyond_nature(found: Fit) -> set[str]:
+    """Return the parameters that came out as the quantity can be on no rig.
+
+    Parameters
+    ----------
+    found : Fit
+        Of whatever hypothesis.
+    """
+    values = {name: found.shared[name] for name in NATURAL_LIMITS if name in found.shared}
+    return {n for n, v in values.items() if not NATURAL_LIMITS[n][0] <= v <= NATURAL_LIMITS[n][1]}
