@@ -35,7 +35,12 @@ from pneuservo.diagnosis.models.servo.run_observer import forces_at_rest
 from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
 from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
-from pneuservo.diagnosis.models.servo.trust import steadily, unsure, unsure_of_rest
+from pneuservo.diagnosis.models.servo.trust import (
+    steadily,
+    surer_of_command,
+    unsure,
+    unsure_of_rest,
+)
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.plant.servo.unexplained_effects import QUANTITIES
@@ -177,8 +182,17 @@ class ServoModel(Model):
         rang by 10 um before it stuck left so much that a command which was held was likelier, by
         757, one that ran on, for what that does between its samples excuses as much. Nor would it
         do to follow recordings so: what is that unsure of a piston at rest does not see it leak.
+        Nor must what a noisy command may have done between its samples, and did not: one that a
+        card had smoothed was likelier held, by 247, with its spool five tolerances too fast, for
+        both missed the pressures by as little, and only one had allowed for more.
         """
-        return [*self.followed(cases), _followed(cases, unsure_of_rest)]
+        others = [_followed(cases, unsure_of_rest)]
+        others += [_followed(way, surer_of_command) for way in (cases, self.trusted(cases))]
+        found = self.followed(cases)
+        for other in others:
+            if not any(are_the_same(other, way) for way in found):
+                found.append(other)
+        return found
 
     def trusted(self, cases: Sequence[Case]) -> list[Case]:
         """Return the cases with next to no unmodelled force."""

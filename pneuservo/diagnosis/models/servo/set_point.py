@@ -17,6 +17,8 @@ _AS_A_LOOP = 0.05
 """What a linear loop leaves of its averaged command at the most [-] ..."""
 _KNOWN = 0.05
 """... and how well its gain has to be known [-]."""
+_ARRIVES = 0.5
+"""Share of its jumps that a set point which comes at once has brought by the next sample."""
 _LEAST_JUMP = 0.01
 """Share of all that a set point moves by that a jump of it has: converters have steps."""
 _OF_NEIGHBOURS = 10.0
@@ -58,7 +60,10 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
 
     Notes
     -----
-    Beside a command that is at its limit nobody knows how much of a jump passes.
+    Beside a command that is at its limit nobody knows how much of a jump passes. Where less than
+    half of the jumps has come by the next sample, a filter keeps them back and nothing comes at
+    once. (A set point that passed a filter of 2 ms was taken to jump by 1.5 V for a sample, so that
+    its loop was likelier to be one that samples, with a spool five tolerances too fast.)
 
     Examples
     --------
@@ -67,6 +72,8 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
     >>> told = at_once(voltage, demand, 250.0)
     >>> told.added.tolist(), bool(told.unknown.any())
     ([0.0, 0.0, 0.0, 2.5, 2.5, 2.5], False)
+    >>> bool(at_once(np.array([0.0, 0.0, 0.0, 0.1, 0.7, 1.2]), demand, 250.0).added.any())
+    False
     >>> at_once(voltage, demand, 0.0).unknown.tolist()
     [False, False, True, False, False]
     """
@@ -79,6 +86,8 @@ def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) 
     limited = at_its_limit(voltage)
     unknown = sudden & (limited[1:] | limited[:-1])
     known = np.where(sudden & ~unknown, gain * change, 0.0)
+    if not in_steps and known @ np.diff(voltage) < _ARRIVES * (known @ known):
+        return AtOnce(np.zeros_like(voltage), np.zeros(len(change), dtype=bool))
     return AtOnce(np.append(0.0, np.cumsum(known)), unknown)
 
 
