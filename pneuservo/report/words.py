@@ -104,11 +104,12 @@ def headline(answer: dict[str, Any]) -> str:
     Returns
     -------
     str
-        One sentence; a second where what was held back is predicted far worse than what was used
-        is followed, or worse than by the baseline.
+        One sentence; a second where far more than noise is left, and one where what was held back
+        is predicted far worse than what was used is followed, or worse than by the baseline.
     """
     channels = answer["fit"]["channels"]
-    return _answered(answer) + (_not_predicted(channels) or _predicted_worse(channels))
+    left = _still_left(answer) if answer["verdict"] != "unexplained" else ""
+    return _answered(answer) + left + (_not_predicted(channels) or _predicted_worse(channels))
 
 
 def _answered(answer: dict[str, Any]) -> str:
@@ -159,6 +160,16 @@ def farthest_off(channels: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         channels.items(),
         key=lambda item: item[1]["after"]["used"] / max(item[1]["noise_rms"], 1e-300),
     )
+
+
+def _still_left(answer: dict[str, Any]) -> str:
+    """Return a sentence on the channel that is missed most, if that is far more than noise."""
+    channel, fit = farthest_off(answer["fit"]["channels"])
+    times = fit["after"]["used"] / max(fit["noise_rms"], 1e-300)
+    if times <= _STANDS_OUT:
+        return ""
+    name, left = channel.replace("_", " "), quantity(fit["after"]["used"], fit["unit"])
+    return f" Not all is explained: {left} of the {name} are left, {times:.2g} times its noise."
 
 
 def _not_predicted(channels: dict[str, Any]) -> str:

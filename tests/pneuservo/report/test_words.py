@@ -41,3 +41,9 @@ def test_what_the_baseline_predicts_better_is_said(after, said):
 def test_a_misfit_that_reads_the_same_before_and_after_does_not_fall():
     document = answer(None, used=4.1e-4) | {"verdict": "parameter", "corrected_parameters": {}}
     assert "the misfit of the displacement stays at 0.41 mm" in headline(document)
+
+
+@pytest.mark.parametrize(("used", "said"), [(2.9e-5, False), (6.3e-5, True)])
+def test_far_more_than_noise_that_is_left_is_said(used, said):
+    words = headline(answer(None, used=used))
+    assert ("Not all is explained: 0.063 mm of the displacement are left, 3 times" in words) is said
