@@ -195,7 +195,8 @@ class ByGain(Judge):
         if name.startswith("param."):
             return is_impossible(name, closer)
         # The air is no colder than on any rig for the sake of a name.
-        if beyond_nature(closer) - beyond_nature(self.current):
+        strange = beyond_nature(closer)
+        if strange and strange - beyond_nature(self.current):
             return True
         return self._relieves(closer) or self._is_not_itself(name, closer)
 

@@ -217,6 +217,19 @@ def test_a_parameter_is_not_wrong_by_what_it_cannot_be(parameter, interval, earn
     assert judge.earns(f"param.{parameter}", closer, 40.0) == earns
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "earns"), [(290, 270, True), (290, 225, False), (225, 224, True)]
+)
+def test_no_name_is_taken_for_whose_sake_the_air_is_colder_than_on_any_rig(before, after, earns):
+    spring = effect_by_id("load.spring", "single-axis")
+    current, closer = leaves(1000.0, 24), leaves(900.0, 25)
+    current.penalty, current.hypothesis = 0.0, SimpleNamespace(effects=set(), members=())
+    current.shared = {"temperature": before}
+    closer.shared = {spring.key("stiffness"): 20.0, "temperature": after}
+    judge = ByGain(current, current, [spring], lambda name, fit: 0.0, lambda fit: 0.0)
+    assert judge.earns(spring.id, closer, 100.0) == earns
+
+
 def test_where_no_motion_is_judged_a_parameter_has_to_explain_as_much_as_an_effect():
     current, closer = leaves(1000.0, 24), leaves(960.0, 24)
     current.hypothesis = SimpleNamespace(effects=set())
