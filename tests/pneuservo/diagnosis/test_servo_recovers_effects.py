@@ -40,7 +40,6 @@ STATED = {
     "friction.stribeck": {"excess": 4.0, "speed": 0.01},
     "load.compliance": {"share": 0.3, "stiffness": 5e4, "damping": 60.0},
     "load.spring": {"stiffness": 200.0},
-    "sensor.clock": {"skew": 2e-4},
     "sensor.position-nonlinearity": {"bow": 5e-5, "first": 2e-5, "second": 1e-5},
     "valve.reattachment": {"loss": 0.15, "at_supply": 1.0, "attach": 0.5, "detach": 0.75},
     "valve.upstream-temperature": {"difference": -25.0},

@@ -60,6 +60,7 @@ def observe(
     time,
     command,
     readings,
+    age,
     motion,
     true,
     supply,
@@ -97,6 +98,8 @@ def observe(
     readings : (3, n) array
         Both pressures, the errors of the transducers undone but for their lag, and the displacement
         as measured; NaN where there is none, SI.
+    age : float
+        By how much sooner than at its sample each pressure was read, at most an interval [s].
     motion, true : (3, n) array
         Smoothed displacement, velocity and acceleration of the reading and of the piston, SI.
     supply : (n,) array
@@ -315,8 +318,11 @@ def observe(
             left[:, k + 1 :] = math.inf
             at_rest[0, k + 1 :] = math.inf
             break
+        older = age / interval
         error[0] = readings[0, k + 1] - state[PRESSURE_A] + within[BEHIND_A] - zeros[0]
         error[1] = readings[1, k + 1] - state[PRESSURE_B] + within[BEHIND_B] - zeros[1]
+        error[0] += older * (state[PRESSURE_A] - path[0, k])
+        error[1] += older * (state[PRESSURE_B] - path[1, k])
         if missed != 0.0:
             error[0] += missed * dynamic_pressure(flow_a, state[PRESSURE_A], plant.gas)
             error[1] += missed * dynamic_pressure(flow_b, state[PRESSURE_B], plant.gas)

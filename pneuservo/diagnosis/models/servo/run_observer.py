@@ -1,5 +1,7 @@
 """The observer of the servo run on a feed, with the errors of its transducers undone."""
 
+import math
+
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array, Values
@@ -250,8 +252,10 @@ def _observe(
     motion, pressures = truth(fed, plant, effects)
     there = np.array(fed.measured)[:, np.newaxis]
     force = fed.force + values.get(ZERO_FORCE, 0.0)
-    # How far a lagging transducer is behind, the observer knows better than smoothed rates do.
-    lagging = pressures - effects.sensor.pressure_lag * fed.pressure_rates / _as_read(effects)
+    # How far a transducer is behind, the observer knows better than smoothed rates do.
+    behind = effects.sensor.pressure_lag - effects.sensor.pressure_skew
+    read = np.where(fed.read, pressures - behind * fed.pressure_rates / _as_read(effects), np.nan)
+    late = math.ceil(effects.sensor.pressure_skew / fed.interval)
     command = bent(fed.command, fed.bends, values, plant.valve.full_voltage)
     servo, state, supply = _chain(
         fed, motion, np.where(there, pressures, fed.pressures), plant, effects
@@ -266,7 +270,8 @@ def _observe(
     found: tuple[Array, Array, Array, Array, Array, Array] = observe(
         fed.time,
         command,
-        np.vstack([np.where(fed.read, lagging, np.nan), fed.reading]),
+        np.vstack([taken_by_then(read, late), fed.reading]),
+        late * fed.interval - effects.sensor.pressure_skew,
         fed.motion,
         motion,
         supply,
@@ -294,6 +299,32 @@ def _observe(
         _moves_of_spool(fed, command, values, servo, float(state[SPOOL]), steps),
     )
     found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
+    return found
+
+
+def taken_by_then(readings: Array, late: int) -> Array:
+    """Return readings at the first sample by which they had been taken.
+
+    Parameters
+    ----------
+    readings : (2, n) array
+        Each taken at another moment than its sample.
+    late : int
+        So many samples later.
+
+    Examples
+    --------
+    >>> readings = np.array([[1.0, 2.0, 3.0, 4.0]])
+    >>> taken_by_then(readings, 1).tolist(), taken_by_then(readings, -2).tolist()
+    ([[nan, 1.0, 2.0, 3.0]], [[3.0, 4.0, nan, nan]])
+    """
+    if not late:
+        return readings
+    found = np.full_like(readings, np.nan)
+    if late > 0:
+        found[:, late:] = readings[:, :-late]
+    else:
+        found[:, :late] = readings[:, -late:]
     return found
 
 
