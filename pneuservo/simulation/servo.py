@@ -131,7 +131,11 @@ def run_with_effects(
     columns = dict(zip(layout.OUTPUTS, out.T, strict=True))
     finite: NDArray[np.bool_] = np.isfinite(out[:, :6]).all(axis=1)
     finite &= (columns["pressure_a"] > 0.0) & (columns["pressure_b"] > 0.0)
-    return _read(columns, rig, driven, noise, effects, plant), finite
+    arrived = columns["valve_voltage"]
+    if law.source == HELD_VOLTAGE:
+        # Sampled together with the readings, a held command has not reached the valve yet.
+        arrived = np.append(arrived[:1], arrived[:-1])
+    return _read(columns, arrived, rig, driven, noise, effects, plant), finite
 
 
 def _parts(time: Samples, largest_step: float) -> int:
@@ -155,6 +159,7 @@ def _run_beside_card(
 
 def _read(
     columns: dict[str, Samples],
+    arrived: Samples,
     rig: Rig,
     driven: Driven,
     noise: Noise,
@@ -178,7 +183,7 @@ def _read(
         columns["pressure_b"],
         flow_a,
         flow_b,
-        columns["valve_voltage"],
+        arrived,
         plant.gas,
         sensor,
     )

@@ -92,7 +92,7 @@ def read_pressures(
     mass_flow_a, mass_flow_b : (n,) array
         Through the pipes in which the transducers sit [kg/s].
     voltage : (n,) array
-        Command of the valve [V].
+        That drives the valve at each sample [V].
     gas : Gas
         The gas.
     sensor : SensorEffects
@@ -189,7 +189,7 @@ def true_pressures(
     pressure_a, pressure_b : (n,) array
         As read [Pa].
     voltage : (n,) array
-        Command of the valve [V].
+        That drives the valve at each sample [V].
     sensor : SensorEffects
         The effects.
 

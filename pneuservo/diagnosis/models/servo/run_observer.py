@@ -109,7 +109,9 @@ def truth(fed: Feed, plant: SingleAxis, effects: ServoEffects) -> tuple[Array, A
         effects.unexplained_drift,
     )
     still = sensor._replace(pressure_lag=0.0, pressure_skew=0.0, hum=0.0)
-    pressures = true_pressures(fed.time, readings[0], readings[1], fed.voltage, still)
+    # What is sampled together with a command that is held meets the command of before.
+    arrived = np.append(fed.command[:1, 0], fed.command[:-1, -1])
+    pressures = true_pressures(fed.time, readings[0], readings[1], arrived, still)
     return np.array([place, speed, motion[2] / slope]), np.array(pressures)
 
 
