@@ -174,20 +174,15 @@ def _still_left(answer: dict[str, Any]) -> str:
 
 def _not_predicted(channels: dict[str, Any]) -> str:
     """Return a sentence on the channel that is predicted worst, if one stands out."""
-    worse = {
-        name: fit["after"]["held_back"] / max(fit["after"]["used"], fit["noise_rms"], 1e-300)
-        for name, fit in channels.items()
-        if fit["after"]["held_back"] is not None
-    }
-    worst = max(worse, key=worse.__getitem__, default="")
-    if not worst or worse[worst] <= _STANDS_OUT:
+    worst, times = _missed_most(channels, "after", "used")
+    if times <= _STANDS_OUT:
         return ""
-    left = quantity(channels[worst]["after"]["held_back"], channels[worst]["unit"])
+    fit = channels[worst]
+    left = quantity(fit["after"]["held_back"], fit["unit"])
     words = (
         f" What was held back is not predicted as well: {left} of the {worst.replace('_', ' ')} "
-        f"are left there, {worse[worst]:.2g} times as much"
+        f"are left there, {times:.2g} times as much"
     )
-    fit = channels[worst]
     if fit["after"]["used"] < fit["before"]["used"] and _as_much(fit):
         return f"{words}, by the baseline too: what was found is not why."
     return f"{words}. Something is different there, or shows that does not in the others."
@@ -195,13 +190,8 @@ def _not_predicted(channels: dict[str, Any]) -> str:
 
 def _predicted_worse(channels: dict[str, Any]) -> str:
     """Return a sentence on the channel that the baseline predicted better, if there is one."""
-    worse = {
-        name: fit["after"]["held_back"] / max(fit["before"]["held_back"], fit["noise_rms"], 1e-300)
-        for name, fit in channels.items()
-        if fit["after"]["held_back"] is not None
-    }
-    worst = max(worse, key=worse.__getitem__, default="")
-    if not worst or worse[worst] <= _WORSE:
+    worst, times = _missed_most(channels, "before", "held_back")
+    if times <= _WORSE:
         return ""
     fit = channels[worst]
     before, after = (quantity(fit[when]["held_back"], fit["unit"]) for when in ("before", "after"))
@@ -209,6 +199,19 @@ def _predicted_worse(channels: dict[str, Any]) -> str:
         f" Of the {worst.replace('_', ' ')} that was held back the baseline leaves less: "
         f"{before}, not {after}."
     )
+
+
+def _missed_most(channels: dict[str, Any], when: str, what: str) -> tuple[str, float]:
+    """Return the channel missed most where it was held back, and how many times as much.
+
+    As is left of it, or in its noise, by the figure that `when` and `what` name.
+    """
+    times = {
+        name: fit["after"]["held_back"] / max(fit[when][what], fit["noise_rms"], 1e-300)
+        for name, fit in channels.items()
+        if fit["after"]["held_back"] is not None
+    }
+    return max(times.items(), key=lambda item: item[1], default=("", 0.0))
 
 
 def _as_much(fit: dict[str, Any]) -> bool:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array
 
-_ORDER = 4
+ORDER = 4
 """Of differences: of a slow swing next to nothing is left, of noise all."""
 _A_JUMP = 8.0
 """So many times the median difference of a command is a jump of it, and no noise."""
@@ -41,8 +41,8 @@ def gain_of_noise(voltage: Array, noise: Array, limited: NDArray[np.bool_]) -> f
     """
     from scipy.ndimage import binary_dilation
 
-    cause, given = np.diff(noise, _ORDER), -np.diff(voltage, _ORDER)
-    free = ~binary_dilation(limited, np.ones(2 * _ORDER + 1))[_ORDER // 2 : -(_ORDER // 2)]
+    cause, given = np.diff(noise, ORDER), -np.diff(voltage, ORDER)
+    free = ~binary_dilation(limited, np.ones(2 * ORDER + 1))[ORDER // 2 : -(ORDER // 2)]
     if not free.any():
         return 0.0
     # What jumps for other reasons tells nothing of noise.
@@ -53,5 +53,5 @@ def gain_of_noise(voltage: Array, noise: Array, limited: NDArray[np.bool_]) -> f
         return 0.0
     gain = float(given @ cause) / size
     # Neighbouring differences share samples.
-    error = float(np.std(given - gain * cause)) * np.sqrt(2.0 * _ORDER / size)
+    error = float(np.std(given - gain * cause)) * np.sqrt(2.0 * ORDER / size)
     return gain if gain > _CERTAIN * error else 0.0

@@ -4,12 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.servo.heard_noise import ORDER
 
 COMMAND_BENDS = ("command_bend", "command_lean")
 """How far a command goes on in an interval of one recording as it bends at both ends, and as it
 bends more at the later one [-]."""
-_ORDER = 4
-"""Of differences: of a slow swing next to nothing is left, of noise all."""
 _HEARD_FOR = 4
 """So many samples a loop's filters remember enough of a noise to tell that it is heard."""
 _SHARE = 0.5
@@ -42,13 +41,13 @@ def made_of_noise(voltage: Array, noise: Array, usable: NDArray[np.bool_]) -> bo
     (True, False)
     """
     first = _HEARD_FOR
-    if len(voltage) <= 2 * (first + _ORDER):
+    if len(voltage) <= 2 * (first + ORDER):
         return False
-    given, cause = np.diff(voltage, _ORDER), np.diff(noise, _ORDER)
+    given, cause = np.diff(voltage, ORDER), np.diff(noise, ORDER)
     columns = np.array([cause[first - lag : len(cause) - lag] for lag in range(first + 1)]).T
     given = given[first:]
     # A difference and what was heard before it: all of these samples are usable.
-    told = np.convolve(~usable, np.ones(first + _ORDER + 1), mode="valid") == 0.0
+    told = np.convolve(~usable, np.ones(first + ORDER + 1), mode="valid") == 0.0
     told &= without_jumps(given)
     if np.count_nonzero(told) <= 10 * (first + 1):
         return False
@@ -90,7 +89,7 @@ def bends_of(voltage: Array, parts: int) -> Array:
     ([1.0, -1.0, -1.0, 1.0], [1.0, -3.0, 3.0, -1.0])
     """
     found = np.zeros((len(COMMAND_BENDS), len(voltage), parts + 1))
-    if parts < _LEAST_PARTS or len(voltage) <= _ORDER:
+    if parts < _LEAST_PARTS or len(voltage) <= ORDER:
         return found
     bend = np.diff(voltage, 2)
     earlier, later = bend[:-1], bend[1:]

@@ -157,8 +157,7 @@ class ServoModel(Model):
         An observer that allows for much of it follows a slow misfit instead of showing it. So
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
-        others = [_followed(cases, way) for way in (steadily, unsure)]
-        return [list(cases), *(way for way in others if not are_the_same(way, cases))]
+        return _different([cases, self.trusted(cases), _followed(cases, unsure)])
 
     def told(self, cases: Sequence[Case], used: Sequence[Case]) -> list[Case]:
         """Return cases that were held back; where a stop is that was never reached is not judged.
@@ -186,13 +185,10 @@ class ServoModel(Model):
         card had smoothed was likelier held, by 247, with its spool five tolerances too fast, for
         both missed the pressures by as little, and only one had allowed for more.
         """
-        others = [_followed(cases, unsure_of_rest)]
-        others += [_followed(way, surer_of_command) for way in (cases, self.trusted(cases))]
-        found = self.followed(cases)
-        for other in others:
-            if not any(are_the_same(other, way) for way in found):
-                found.append(other)
-        return found
+        steady = self.trusted(cases)
+        unsure_ways = [_followed(cases, way) for way in (unsure, unsure_of_rest)]
+        surer_ways = [_followed(way, surer_of_command) for way in (cases, steady)]
+        return _different([cases, steady, *unsure_ways, *surer_ways])
 
     def trusted(self, cases: Sequence[Case]) -> list[Case]:
         """Return the cases with next to no unmodelled force."""
@@ -279,6 +275,15 @@ class ServoModel(Model):
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return parts of the recording by motion, place, opening, pressure ratio and time."""
         return regimes_of(case.inputs["feed"], case.rig)
+
+
+def _different(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
+    """Return ways to follow the same recordings, each once."""
+    found: list[list[Case]] = []
+    for way in ways:
+        if not any(are_the_same(way, other) for other in found):
+            found.append(list(way))
+    return found
 
 
 def _followed(cases: Sequence[Case], as_given: AsGiven) -> list[Case]:
