@@ -95,6 +95,12 @@ def fit(
             return _summary(hypothesis, best, np.empty(0), fixed)
     if near is None and fixed is None:
         return _fitted_anew(best, hypothesis)
+    if begin is Begin.IN_NOISE:
+        # Weights that followed from what is missed would lead it astray again.
+        best.scale = dict.fromkeys(best.channels, 1.0)
+        vector = _solve(best, best.first, hypothesis, None)
+        best.scale = _scales(best, vector)
+        return _summary(hypothesis, best, vector, fixed)
     vector = _settled(best, best.first, hypothesis, near)
     return _summary(hypothesis, best, vector, fixed)
 
@@ -154,6 +160,10 @@ def _settled(problem: Problem, vector: Array, hypothesis: Hypothesis, near: Fit 
     less_free = near if near and steady and near.hypothesis.is_part_of(hypothesis) else None
     for passed in range(_MOST_PASSES if steady else 2):
         before, problem.scale = problem.scale, _scales(problem, vector)
+        if less_free is not None and not passed:
+            # What a start misses must not pass for noise where less freedom did not miss it.
+            first = less_free.scale
+            problem.scale = {c: min(s, first.get(c, s)) for c, s in problem.scale.items()}
         if before and all(abs(before[c] / s - 1.0) < _SETTLED for c, s in problem.scale.items()):
             break
         vector = _solve(problem, vector, hypothesis, near if known is None else known)

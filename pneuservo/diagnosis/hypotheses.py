@@ -7,7 +7,7 @@ from functools import cached_property
 from heapq import nlargest
 from typing import Any
 
-from pneuservo.diagnosis.fit import Fit, explained, gained_most
+from pneuservo.diagnosis.fit import Fit, explained, gained_most, misses_more
 from pneuservo.diagnosis.fitting import fit, polished
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN, SECOND_SHARE, Judge
@@ -178,8 +178,11 @@ class Hypotheses:
         # Where sensitivities are not steady nothing was promised.
         if known or math.isinf(promise) or promise <= max(LEAST_GAIN, LEAST_KEPT * reached):
             return found
-        for begin in (Begin.ALONE, Begin.NOMINAL):
-            if gained_most(base, found) >= LEAST_KEPT * promise:
+        for begin in (Begin.ALONE, Begin.NOMINAL, Begin.IN_NOISE):
+            more = misses_more(base, found)
+            if not more and gained_most(base, found) >= LEAST_KEPT * promise:
+                break
+            if begin is Begin.IN_NOISE and not more:
                 break
             other = fit(self.model, self.cases, hypothesis, base, begin=begin)
             if explained(found, other) > 0.0:

@@ -111,8 +111,8 @@ def _with_mixtures(
     """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
 
     Each recording in its likeliest way first; then the likeliest of all, one recording at a time
-    turned to its second: beside a relay that was read wrongly a proportional loop seemed likelier
-    read wrongly too. At last, each in the way in which it is likeliest alone: by parameters that
+    turned to the next that it was not read in beside the others: beside a relay that was read
+    wrongly a proportional loop seemed likelier read wrongly too. At last, each in the way in which it is likeliest alone: by parameters that
     a wrong way to read the other had led to, the right way was too unlikely to be turned to.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
@@ -123,9 +123,12 @@ def _with_mixtures(
         return ways, fits, unlikely
     at_best = at_their_best(model, readings, fits)
 
+    def is_new(mixture: Cases) -> bool:
+        return not any(are_the_same(mixture, way) for way in ways)
+
     def try_as_well(mixture: Cases) -> None:
         nonlocal unlikely
-        if not any(are_the_same(mixture, way) for way in ways):
+        if is_new(mixture):
             nearest = fits[_likeliest(unlikely, fits)]
             ways.append(mixture)
             fits.append(refitted(model, mixture, nearest))
@@ -136,17 +139,13 @@ def _with_mixtures(
     try_as_well(likeliest_of_each(ways, unlikely))
     for recording in unlikely[0]:
         best = _likeliest(unlikely, fits)
-        mine = of_recording(ways[best], recording)
-        others = [
-            way
-            for way in range(len(readings))
-            if not are_the_same(of_recording(readings[way], recording), mine)
-        ]
+        turned = [_turned(ways[best], reading, recording) for reading in readings]
+        others = [way for way, mixture in enumerate(turned) if is_new(mixture)]
         if not others:
             continue
         other = min(others, key=lambda way: at_best[way][recording])
         if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
-            try_as_well(_turned(ways[best], ways[other], recording))
+            try_as_well(turned[other])
     if leaves_little(fits[_likeliest(unlikely, fits)]):
         try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
     return ways, fits, unlikely
@@ -203,7 +202,9 @@ def likelier_with(
     Notes
     -----
     What an effect leaves unexplained may be so much that it decides how recordings are read. Only
-    what explains more than lay between two readings can turn their order.
+    what explains more than lay between two readings can turn their order. Each recording in the way
+    that suits it best with the name is tried as well: of two that both lag, one sampled and one
+    analogue, the baseline was likeliest with neither read rightly.
     """
     first = ranked[0]
     gain = gained_most(baseline, named)
@@ -212,7 +213,7 @@ def likelier_with(
         return None
     progress("fitting what was found to each way in which the recordings may be read")
     # It may have taken more than one fit to find it: the first is judged by the likelier.
-    tried = (first, first, *others)
+    tried = [first, first, *others]
     fits = [named]
 
     def fitted_in(reading: Reading) -> Fit:
@@ -221,6 +222,18 @@ def likelier_with(
 
     fits += side_by_side(fitted_in, tried[1:])
     ways = [reading.cases for reading in tried]
+    mixture = likeliest_of_each(ways, at_their_best(model, ways, fits))
+    if not any(are_the_same(mixture, way) for way in ways):
+        nearest = fits[_likeliest(unlikeliness_in(model, ways, values_in(ways, fits)), fits)]
+        tried.append(Reading(mixture))
+        ways.append(mixture)
+        fits.append(refitted(model, mixture, nearest))
     unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
-    best = tried[_likeliest(unlikely, fits)]
+    by_name = [
+        Reading(way, found, _total(each, found))
+        for way, found, each in zip(ways, fits, unlikely, strict=True)
+    ]
+    ranked_by_name = sorted(by_name, key=lambda reading: reading.unlikely)
+    likeliest = least_strained_first(ranked_by_name)[0]
+    best = next(reading for reading, own in zip(tried, by_name, strict=True) if own is likeliest)
     return None if best is first else best

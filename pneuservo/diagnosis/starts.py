@@ -20,6 +20,8 @@ class Begin(Enum):
     """Where a new effect is far from linear, what makes up for it does so at another size."""
     NOMINAL = "at the nominal parameters"
     """Parameters that have gone far astray for want of an effect hold a fit where they are."""
+    IN_NOISE = "the same, and all that is missed counts in noise"
+    """What is missed slowly counts for little, and a fit may miss one channel for another."""
 
 
 _SMALL = 0.1
@@ -46,7 +48,7 @@ def best_start(
         From where, if there is such a fit.
     """
     starts = problems_of(model, cases, hypothesis)
-    if near is None or begin is Begin.NOMINAL:
+    if near is None or begin in (Begin.NOMINAL, Begin.IN_NOISE):
         return least_of(starts)
     # The parameters may have gone astray for want of the effect: their nominal values as well.
     moved = _distinct([begun_at(start, near.shared, near.own) for start in starts])
