@@ -8,7 +8,7 @@ from pneuservo.diagnosis.fitting import beyond_ridges
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import AS_GOOD, TIED
-from pneuservo.diagnosis.late import likelier_if_late
+from pneuservo.diagnosis.late import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.readings import Reading, leaves_little, likelier_with, ranked_readings
 from pneuservo.diagnosis.search import Search
 
@@ -73,24 +73,42 @@ def _as_read(search: Search, guess: bool) -> Search:
         first.begin(guess)
     if late and not first.accepted and not first.interrupted:
         late, first = None, _begun(search, ranked[0], guess)
-    if first.interrupted or not first.accepted:
+    if first.interrupted:
         return first
     if late:
         ranked = [late, *(reading for reading in ranked if reading is not late)]
-    if first.chosen.hypothesis == asked:
-        return first
     try:
-        other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
-        if other is None:
-            return first
-        second = _begun(search, other, guess)
-        if second.accepted or not second.interrupted:
-            return second
+        other = None
+        if first.accepted and first.chosen.hypothesis != asked:
+            other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
+        if other is not None:
+            second = _begun(search, other, guess)
+            if second.accepted or not second.interrupted:
+                return second
+        else:
+            return _with_another(first, ranked, guess)
     except KeyboardInterrupt:
         pass
     # What the first reading has shown is more than nothing.
     first.interrupted = True
     return first
+
+
+def _with_another(first: Search, ranked: Sequence[Reading], guess: bool) -> Search:
+    """Return a search begun in the reading that another effect makes likelier, or the first.
+
+    That is asked for where the first leaves more than noise, and given up where no name earns its
+    place there.
+    """
+    model = first.model
+    if len(ranked) == 1 or not model.steady or first.leaves_noise(first.chosen):
+        return first
+    other = likelier_with_another(model, ranked, first.baseline, first.chosen, first.progress)
+    if other is None:
+        return first
+    second = _begun(first, other, guess)
+    first.interrupted |= second.interrupted
+    return second if second.accepted else first
 
 
 def _turned_by_guess(

@@ -111,9 +111,10 @@ def _with_mixtures(
     """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
 
     Each recording in its likeliest way first; then the likeliest of all, one recording at a time
-    turned to the next that it was not read in beside the others: beside a relay that was read
-    wrongly a proportional loop seemed likelier read wrongly too. At last, each in the way in which it is likeliest alone: by parameters that
-    a wrong way to read the other had led to, the right way was too unlikely to be turned to.
+    turned to the likeliest way that it was not read in beside the others: beside a relay that was
+    read wrongly a proportional loop seemed likelier read wrongly too. At last, each in the way in
+    which it is likeliest alone: by parameters that a wrong way to read the other had led to, the
+    right way was too unlikely to be turned to.
     """
     ways, fits = list(readings), baselines_of(model, readings, None)
     values = values_in(ways, fits)

@@ -345,6 +345,14 @@ def gained(before, after, best=None):
     return after.gain - getattr(before, "gain", 0.0)
 
 
+def let_fits_know_their_gains(monkeypatch):
+    monkeypatch.setattr(hypotheses, "explained", gained)
+    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    monkeypatch.setattr(
+        hypotheses, "misses_more", lambda before, after: getattr(after, "misses", False)
+    )
+
+
 @pytest.mark.parametrize(
     ("promise", "further", "reached", "gains"),
     [
@@ -367,8 +375,7 @@ def gained(before, after, best=None):
 def test_a_fit_that_breaks_its_promise_is_carried_to_its_end(
     monkeypatch, promise, further, reached, gains
 ):
-    monkeypatch.setattr(hypotheses, "explained", gained)
-    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    let_fits_know_their_gains(monkeypatch)
     monkeypatch.setattr(hypotheses, "fit", lambda *args, **how: SimpleNamespace(gain=20.0))
     monkeypatch.setattr(hypotheses, "polished", lambda *args: SimpleNamespace(gain=further))
     tried = Hypotheses(SimpleNamespace(steady=True), [])
@@ -384,10 +391,9 @@ def test_a_fit_begins_elsewhere_only_where_it_breaks_its_promise(monkeypatch, be
 
     def stand_in(*args, begin=Begin.ANYWHERE):
         begun.append(begin)
-        return SimpleNamespace(gain=150.0 if begin is best else 20.0)
+        return SimpleNamespace(gain=150.0 if begin is best else 20.0, misses=begin is not best)
 
-    monkeypatch.setattr(hypotheses, "explained", gained)
-    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    let_fits_know_their_gains(monkeypatch)
     monkeypatch.setattr(hypotheses, "fit", stand_in)
     monkeypatch.setattr(hypotheses, "polished", lambda model, cases, found: found)
     tried = Hypotheses(SimpleNamespace(steady=True), [])
@@ -396,11 +402,37 @@ def test_a_fit_begins_elsewhere_only_where_it_breaks_its_promise(monkeypatch, be
     assert begun == list(Begin)[: list(Begin).index(best) + 1]
 
 
+@pytest.mark.parametrize(
+    ("gain", "misses", "begun"),
+    [
+        (150.0, False, [Begin.ANYWHERE]),
+        (20.0, False, [Begin.ANYWHERE, Begin.ALONE, Begin.NOMINAL]),
+        (150.0, True, list(Begin)),
+    ],
+    ids=["kept", "broken", "kept, and one channel missed for the sake of another"],
+)
+def test_what_is_missed_counts_in_noise_where_one_channel_is_missed_for_another(
+    monkeypatch, gain, misses, begun
+):
+    asked = []
+
+    def stand_in(*args, begin=Begin.ANYWHERE):
+        asked.append(begin)
+        return SimpleNamespace(gain=gain, misses=misses)
+
+    let_fits_know_their_gains(monkeypatch)
+    monkeypatch.setattr(hypotheses, "fit", stand_in)
+    monkeypatch.setattr(hypotheses, "polished", lambda model, cases, found: found)
+    tried = Hypotheses(SimpleNamespace(steady=True), [])
+    base = SimpleNamespace(gain=0.0)
+    tried._keeping(200.0, base, Hypothesis().adding("load.spring"), 0.0)
+    assert asked == begun
+
+
 @pytest.mark.parametrize("barred", [False, True])
 def test_what_is_barred_shields_nothing(monkeypatch, barred):
     gains = {"param.temperature": 200.0, "param.load.mass": 1.0, "load.spring": 60.0}
-    monkeypatch.setattr(hypotheses, "explained", gained)
-    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    let_fits_know_their_gains(monkeypatch)
     tried = Hypotheses(SimpleNamespace(steady=False), [])
     monkeypatch.setattr(
         tried,
@@ -449,8 +481,7 @@ def moved(**tolerances):
 def test_a_parameter_far_out_is_fitted_whatever_others_reach(monkeypatch, away):
     gains = {"friction.presliding": 795.0, "load.spring": 300.0, "param.friction": 217.0}
     base = SimpleNamespace(gain=0.0, hypothesis=Hypothesis(), **moved(friction=away))
-    monkeypatch.setattr(hypotheses, "explained", gained)
-    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    let_fits_know_their_gains(monkeypatch)
     monkeypatch.setattr(hypotheses, "is_strained", lambda fit: False)
     tried = Hypotheses(SimpleNamespace(steady=True, effects=()), [])
     tried.fits[Hypothesis()] = base
@@ -465,8 +496,7 @@ def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained
     base = SimpleNamespace(gain=0.0, strained=strained, hypothesis=Hypothesis(), **moved())
     name = "spool.amplitude-bandwidth"
     fits = {"param.load.mass": 40.0, name: 20.0}
-    monkeypatch.setattr(hypotheses, "explained", gained)
-    monkeypatch.setattr(hypotheses, "gained_most", gained)
+    let_fits_know_their_gains(monkeypatch)
     monkeypatch.setattr(hypotheses, "is_strained", lambda fit: fit.strained)
     monkeypatch.setattr(hypotheses, "within_reach", lambda base, promises, reached, by: promises)
     monkeypatch.setattr(hypotheses, "promises_from_nominal", lambda *given: {name: 4000.0})

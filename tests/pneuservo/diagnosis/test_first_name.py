@@ -116,6 +116,9 @@ class Read(SimpleNamespace):
     def chosen(self):
         return SimpleNamespace(hypothesis=" + ".join(self.accepted))
 
+    def leaves_noise(self, found):
+        return self.leaves < 1.15
+
 
 @pytest.mark.parametrize(
     ("guess", "leaves", "there", "named", "read", "times_asked"),
@@ -163,6 +166,40 @@ def test_a_guess_turns_the_reading_where_a_name_earns_its_place(
     found = first_name._as_read(search, guess=True)
     assert (found.accepted, found.way, len(asked)) == (named, read, times_asked)
     assert found.interrupted is (guess == "interrupted")
+
+
+@pytest.mark.parametrize(
+    ("leaves", "finds", "read"),
+    [
+        (1.3, ["a shift"], "second"),
+        (1.3, [], "first"),
+        # Where noise is all that is left, nothing else is asked for.
+        (1.0, ["a shift"], "first"),
+    ],
+)
+def test_another_effect_turns_the_reading_where_more_than_noise_is_left(
+    monkeypatch, leaves, finds, read
+):
+    model = SimpleNamespace(steady=True)
+
+    def search(way, accepted):
+        return Read(
+            model=model,
+            progress=None,
+            baseline=None,
+            way=way,
+            guess=None,
+            leaves=leaves,
+            finds=finds,
+            accepted=accepted,
+            interrupted=False,
+        )
+
+    monkeypatch.setattr(first_name, "likelier_with_another", lambda *given: "second")
+    monkeypatch.setattr(first_name, "_followed", lambda first, reading: search(reading, []))
+    first = search("first", ["a lag"])
+    assert first_name._with_another(first, ["first", "second"], guess=True).way == read
+    assert first_name._with_another(first, ["first"], guess=True) is first
 
 
 class Guessing(Search):

@@ -8,9 +8,11 @@ from servo_recordings import NOISE, noisy
 
 from pneuservo.controllers import SlidingMode
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_followed
+from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_GAIN
-from pneuservo.diagnosis.late import likelier_if_late
+from pneuservo.diagnosis.late import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, is_relay
 from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.servo import ServoModel
@@ -122,6 +124,25 @@ def test_what_is_late_has_a_say_in_how_a_command_is_read(rig):
     late = likelier_if_late(model, ranked, QUIET)
     found = late or ranked[0]
     assert not found.cases[0].inputs["feed"].ramped
+
+
+def test_what_else_may_be_missing_has_a_say_where_more_than_noise_is_left(rig):
+    shifted = rig.with_values({"sensor.ground-shift:shift_a": 1200.0})
+    rng = np.random.default_rng(5)
+    slow = np.convolve(rng.normal(0.0, 1.0, 667), np.ones(5) / 5, "same")
+    command = np.repeat(rng.normal(0.0, 1.5, 667) + 3.0 * slow, 3)[:2000]
+    command -= np.mean(command)
+    recording = noisy(simulate(shifted, time=TIME[:2000], command=command), rng)
+    model = ServoModel()
+    ranked = ranked_readings(model, model.readings(model.cases(recording, rig)), QUIET)
+    baseline = ranked[0].baseline
+    assert ranked[0].cases[0].inputs["feed"].ramped
+    other = likelier_with_another(model, ranked, baseline, baseline, QUIET)
+    assert not other.cases[0].inputs["feed"].ramped
+    # What explains all there is leaves nothing to another.
+    named = fit(model, other.cases, Hypothesis().adding("sensor.ground-shift"), other.baseline)
+    rest = [other, *(reading for reading in ranked if reading is not other)]
+    assert likelier_with_another(model, rest, other.baseline, named, QUIET) is None
 
 
 def test_a_piston_that_chatters_unseen_is_followed_unsurely(rig):
