@@ -2,17 +2,15 @@
 
 import hashlib
 import json
-import multiprocessing
 import os
-import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
-from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
 from analog_card.errors import InputError
+from analog_card.processes import processes
 
 Figures = dict[str, Any]
 Trial = Callable[[Sequence[int]], Iterable[Figures]]
@@ -111,21 +109,6 @@ def run_trials(
     return [done[index] for index in range(count)]
 
 
-@contextmanager
-def processes(jobs: int) -> Iterator[Executor]:
-    """Yield a pool of processes of this computer, which end with this one.
-
-    Parameters
-    ----------
-    jobs : int
-        How many.
-    """
-    # Spawned: a forked process would share the simulator's with this one.
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent) as pool:
-        yield pool
-
-
 def _share_out(
     pool: Executor,
     trial: Trial,
@@ -142,18 +125,6 @@ def _share_out(
 def _collected(trial: Trial, chunk: Sequence[int]) -> list[Figures]:
     with single_threaded():
         return list(trial(chunk))
-
-
-def _end_with_parent() -> None:
-    """Have this process end when the one that started it has, also by a signal."""
-
-    def watch(sentinel: int) -> None:
-        wait([sentinel])
-        os._exit(1)
-
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=watch, args=(parent.sentinel,), daemon=True).start()
 
 
 def _append(path: Path, line: dict[str, Any]) -> None:

@@ -1,7 +1,6 @@
 """Rows put together: the tables of a valve and the areas of its flow paths."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analog_card.processes import processes
 from pneuservo.calibration.table_row import TableRow, fit_row
 from pneuservo.calibration.transient import LEAK, Transient
 from pneuservo.errors import InputError
@@ -177,7 +177,7 @@ def calibrate(
             step(transient.name)
             rows.append(fit(transient))
         return Calibration(tuple(rows))
-    with ProcessPoolExecutor(min(jobs, len(transients))) as pool:
+    with processes(min(jobs, len(transients)), start="fork") as pool:
         rows = []
         for row in pool.map(fit, transients):
             step(row.transient.name)

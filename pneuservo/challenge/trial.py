@@ -3,17 +3,14 @@
 import hashlib
 import json
 import secrets
-import signal
 from collections.abc import Callable
 from concurrent.futures import (
     Executor,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
     as_completed,
 )
 from dataclasses import asdict, dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +18,7 @@ import numpy as np
 
 from analog_card.files import write_whole
 from analog_card.plain_json import plain_json
+from analog_card.processes import processes
 from pneuservo.challenge.answers import ask, keep_answer, kept_answer
 from pneuservo.challenge.cases import FOLLOW_UP, HELD_BACK, USED, write_case
 from pneuservo.challenge.judge import Judged, judge
@@ -179,13 +177,8 @@ def make_cases(trial: Trial, jobs: int, step: Step = lambda text: None) -> dict[
             f"{trial.folder}: its cases were begun by another version of this program; "
             "begin a new trial in another folder"
         )
-    with ProcessPoolExecutor(
-        jobs,
-        mp_context=get_context("spawn"),
-        # Interrupted, what is being made is finished: that takes seconds.
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    ) as pool:
+    # Interrupted, what is being made is finished: that takes seconds.
+    with processes(jobs, finish=True) as pool:
         waiting = {
             pool.submit(_make, trial, name, number, wishes[name]): name
             for number, name in enumerate(trial.names)

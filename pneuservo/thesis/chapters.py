@@ -3,12 +3,13 @@
 import importlib
 import inspect
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from analog_card.processes import processes
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig
 from pneuservo.thesis.rows import Row
@@ -89,7 +90,7 @@ def recompute(
             found.append(_recompute(number, folder, rig))
         return found
     done: dict[int | str, Chapter] = {}
-    with ProcessPoolExecutor(min(jobs, len(wanted))) as pool:
+    with processes(min(jobs, len(wanted)), start="fork") as pool:
         running = {pool.submit(_recompute, number, folder, rig): number for number in wanted}
         for future in as_completed(running):
             done[running[future]] = future.result()

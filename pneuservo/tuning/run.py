@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from analog_card.design import Design
-from analog_card.tolerance_trials import processes
+from analog_card.processes import processes
 from pneuservo.tuning.check import Judged, judged, run_check
 from pneuservo.tuning.evaluation import Worst
 from pneuservo.tuning.front import confirmed, front_of
