@@ -8,8 +8,8 @@ from pneuservo.diagnosis.fitting import beyond_ridges
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import AS_GOOD, TIED
-from pneuservo.diagnosis.late import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.readings import Reading, leaves_little, likelier_with, ranked_readings
+from pneuservo.diagnosis.readings_by_effect import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.search import Search
 
 
@@ -77,16 +77,26 @@ def _as_read(search: Search, guess: bool) -> Search:
         return first
     if late:
         ranked = [late, *(reading for reading in ranked if reading is not late)]
+    return _turned_by_what_was_found(first, ranked, guess, asked)
+
+
+def _turned_by_what_was_found(
+    first: Search, ranked: Sequence[Reading], guess: bool, asked: Hypothesis | None
+) -> Search:
+    """Return a search begun in the reading that a name makes likelier, or the first.
+
+    What was asked for already is not asked for again.
+    """
+    model, found = first.model, first.chosen
     try:
         other = None
-        if first.accepted and first.chosen.hypothesis != asked:
-            other = likelier_with(model, ranked, first.baseline, first.chosen, progress)
-        if other is not None:
-            second = _begun(search, other, guess)
-            if second.accepted or not second.interrupted:
-                return second
-        else:
+        if first.accepted and found.hypothesis != asked:
+            other = likelier_with(model, ranked, first.baseline, found, first.progress)
+        if other is None:
             return _with_another(first, ranked, guess)
+        second = _begun(first, other, guess)
+        if second.accepted or not second.interrupted:
+            return second
     except KeyboardInterrupt:
         pass
     # What the first reading has shown is more than nothing.

@@ -12,12 +12,12 @@ from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import LEAST_GAIN
-from pneuservo.diagnosis.late import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been, is_relay
 from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.trust import may_only_seem_to_rest, unsure_of_rest
 from pneuservo.diagnosis.readings import ranked_readings
+from pneuservo.diagnosis.readings_by_effect import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES
 from pneuservo.diagnosis.ways import by_recording, unlikeliness_in
 from pneuservo.recordings import Recording
