@@ -9,6 +9,7 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
 from pneuservo.diagnosis.models.model import Values
 from pneuservo.rigs import Parameter
+from pneuservo.rigs.added_weight import MOVED_MASS, with_added_weight
 
 _LEAST_SHARE = 1e-3
 """Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
@@ -116,11 +117,14 @@ def values_in(case: Case, first: Case, shared: Values, own: Values) -> dict[str,
     Where a parameter was measured anew for a recording, 5 kg added for example, a fit that
     corrects it does so by the same factor everywhere, but for the error of that measurement, which
     is the recording's own: 5 kg are weighed better than what they are added to. A zero, or what may
-    as well be one, is corrected by as much everywhere.
+    as well be one, is corrected by as much everywhere. What hangs on the rod is another share of
+    another mass (`pneuservo.rigs.added_weight`).
     """
     here, mine = dict(shared), dict(own)
     before, now = first.rig.parameters, case.rig.parameters
     measured_anew = any(key.startswith(_ANEW) for key in own)
+    if MOVED_MASS in now:
+        here = with_added_weight(here, now[MOVED_MASS].value / before[MOVED_MASS].value)
     for key in shared:
         if key not in now:
             continue

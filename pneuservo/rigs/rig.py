@@ -13,6 +13,7 @@ from analog_card.quantities import to_si
 from analog_card.toml_file import read_toml, table_in
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest, require_known
+from pneuservo.rigs.added_weight import MOVED_MASS, with_added_weight
 from pneuservo.rigs.session import Session, read_session
 from pneuservo.rigs.transducers import Transducer, read_transducers
 
@@ -168,18 +169,22 @@ class Rig:
         Notes
         -----
         A condition that only repeats what a fitted value was taken to be before the fit leaves
-        the fitted value alone; one that says something else overrides it.
+        the fitted value alone; one that says something else overrides it. What hangs on the rod is
+        another share of another mass (`pneuservo.rigs.added_weight`).
         """
         known = self.conditions
         for key in conditions:
             require_known(key, known, "conditions")
-        return self.with_values(
-            {
-                known[key]: value
-                for key, value in conditions.items()
-                if not _repeats(value, self.parameters[known[key]])
-            }
-        )
+        anew = {
+            known[key]: value
+            for key, value in conditions.items()
+            if not _repeats(value, self.parameters[known[key]])
+        }
+        hung = {}
+        if MOVED_MASS in anew:
+            ratio = anew[MOVED_MASS] / self.parameters[MOVED_MASS].value
+            hung = with_added_weight(self.effect_values, ratio)
+        return self.with_values({**anew, **hung})
 
 
 def load_rig(name_or_path: str | Path) -> Rig:
