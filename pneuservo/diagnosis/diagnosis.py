@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from pneuservo.diagnosis.as_found import as_found
 from pneuservo.diagnosis.first_name import with_first_name
 from pneuservo.diagnosis.fit import Fit, explained
-from pneuservo.diagnosis.held_back import HeldBack, times_missed
+from pneuservo.diagnosis.held_back import HeldBack, times_missed_at_best
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
@@ -280,7 +280,7 @@ def diagnose(
                     kept_out.predicted(repaired, table),
                 )
                 if unexplained is None and misfit is None:
-                    misfit = _not_borne_out(search, kept_out.cases, before, after)
+                    misfit = _not_borne_out(search, kept_out, before, after)
     return Diagnosis(
         chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit, jobs
     )
@@ -336,9 +336,7 @@ def _speaks_against(search: Search, held_back: HeldBack, found: Unexplained) -> 
     return ""
 
 
-def _not_borne_out(
-    search: Search, held_back: Sequence[Case], before: Fit, after: Fit
-) -> Misfit | None:
+def _not_borne_out(search: Search, held_back: HeldBack, before: Fit, after: Fit) -> Misfit | None:
     """Return that names which leave noise of what was used do not hold elsewhere, if so.
 
     Where they leave more than noise of what was used, a second effect may be what is missing, and
@@ -347,8 +345,10 @@ def _not_borne_out(
     names = [name for name in search.accepted if name in CATALOGUE]
     if not search.model.tabulates or not names or not search.leaves_noise(search.chosen):
         return None
-    times = times_missed(held_back, before, after)
-    if not times or any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
+    if any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
+        return None
+    times = times_missed_at_best(held_back, search.baseline, search.chosen, before, after)
+    if not times:
         return None
     words = (
         f"what explains the recordings used ({', '.join(names)}) misses what was held back by "

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pneuservo.diagnosis.fit import Fit, explained, rms
-from pneuservo.diagnosis.fitting import fit
+from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.followed import likeliest_held_back
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Table
+from pneuservo.diagnosis.models.model import Array, Table
 from pneuservo.diagnosis.tabulated import Tabulated, of_channels, without_table
 
 BEYOND_DOUBT = 10.0 * LEAST_GAIN
@@ -124,15 +124,15 @@ class HeldBack:
         return float(np.sum(change**2)) > SHOWS and explained(without, with_it) < -by
 
 
-def times_missed(cases: Sequence[Case], before: Fit, after: Fit) -> float:
-    """Return how many times its noise a law misses what was held back, if it is refuted by that.
+def times_missed(cases: Sequence[Case], before: Sequence[Array], after: Sequence[Array]) -> float:
+    """Return how many times its noise a law misses recordings, if it is refuted by that.
 
     Parameters
     ----------
     cases : sequence of Case
-        What was held back.
-    before, after : Fit
-        Their prediction without and with what was found.
+        The recordings.
+    before, after : sequence of array
+        What is left of each without and with what was found.
 
     Returns
     -------
@@ -141,11 +141,40 @@ def times_missed(cases: Sequence[Case], before: Fit, after: Fit) -> float:
         as well as a law of somewhat another form would.
     """
     worst = 0.0
-    for case, first, second in zip(cases, before.residuals, after.residuals, strict=True):
+    for case, first, second in zip(cases, before, after, strict=True):
         left, beyond = rms([second]), max(rms([first]) ** 2 - 1.0, 0.0)
         if case.recorded and case.channel != _PLACE and left**2 - 1.0 > NOT_ITS_FORM * beyond:
             worst = max(worst, left)
     return worst if worst > NOT_BORNE_OUT else 0.0
+
+
+def times_missed_at_best(
+    held_back: HeldBack, baseline: Fit, found: Fit, before: Fit, after: Fit
+) -> float:
+    """Return how many times its noise a law misses what was held back, whatever its sizes.
+
+    Parameters
+    ----------
+    held_back : HeldBack
+        As it is read with what was found.
+    baseline, found : Fit
+        Of what was used, without and with the law.
+    before, after : Fit
+        Prediction of what was held back, without and with the law.
+
+    Returns
+    -------
+    float
+        As `times_missed` has it; 0 also where the law explains all recordings when it is fitted to
+        all of them: what was used may not tell a size as well as another load or way would.
+    """
+    times = times_missed(held_back.cases, before.residuals, after.residuals)
+    if not times:
+        return 0.0
+    everything = [*held_back.used, *held_back.cases]
+    without = [*baseline.residuals, *before.residuals]
+    together = refitted(held_back.model, everything, found)
+    return times if times_missed(everything, without, together.residuals) else 0.0
 
 
 def _that_repeats(found: Fit, table: Table | None) -> Fit:

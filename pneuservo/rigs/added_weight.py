@@ -21,8 +21,8 @@ def _of_the_frame(values: _Values, ratio: float) -> _Values:
     """Return how a frame swings that is as heavy and as stiffly held as before."""
     frame = 1.0 / values["share"] - 1.0
     slower = math.sqrt((frame + 1.0) / (frame + ratio))
-    swing = {name: values[name] * slower for name in ("frequency", "damping") if name in values}
-    return {"share": ratio / (frame + ratio), **swing}
+    found = {name: values[name] * slower for name in ("frequency", "damping") if name in values}
+    return found | {"share": ratio / (frame + ratio)}
 
 
 _LAWS: Mapping[str, Callable[[_Values, float], _Values]] = {

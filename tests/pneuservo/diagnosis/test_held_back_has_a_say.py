@@ -116,8 +116,29 @@ def test_where_a_stop_is_that_was_never_reached_says_nothing_against_a_name():
 )
 def test_how_many_times_its_noise_a_law_misses_what_was_held_back(channel, before, after, missed):
     case = SimpleNamespace(recorded=True, channel=channel)
-    left = [SimpleNamespace(residuals=[np.full(10, size)]) for size in (before, after)]
+    left = [[np.full(10, size)] for size in (before, after)]
     assert held_back.times_missed([case], *left) == pytest.approx(missed)
+
+
+@pytest.mark.parametrize(
+    ("together", "missed"),
+    [
+        ((1.0, 1.3), 0.0),  # a size that what was used has not told well
+        ((1.0, 1.8), 1.9),
+        ((1.8, 1.0), 1.9),  # at the cost of what was used
+    ],
+)
+def test_a_law_that_holds_for_all_recordings_is_not_refuted_by_its_sizes(
+    monkeypatch, together, missed
+):
+    def left(*sizes):
+        return SimpleNamespace(residuals=[np.full(10, size) for size in sizes])
+
+    case = SimpleNamespace(recorded=True, channel="pressure_a")
+    monkeypatch.setattr(held_back, "refitted", lambda *given: left(*together))
+    kept_out = HeldBack(None, [case], [case])
+    fits = [left(size) for size in (4.0, 1.0, 4.8, 1.9)]
+    assert held_back.times_missed_at_best(kept_out, *fits) == pytest.approx(missed)
 
 
 def test_a_law_that_does_not_hold_elsewhere_stands_in_for_what_has_no_name():
