@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from pneuservo.diagnosis.as_found import followed_anew, unlikeliness_of
-from pneuservo.diagnosis.fit import Fit, explained
+from pneuservo.diagnosis.fit import Fit, explained, gained_most
 from pneuservo.diagnosis.fitting import beyond_ridges
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.hypothesis import Hypothesis
@@ -113,7 +113,9 @@ def _with_another(first: Search, ranked: Sequence[Reading], guess: bool) -> Sear
     model = first.model
     if len(ranked) == 1 or not model.steady or first.leaves_noise(first.chosen):
         return first
-    other = likelier_with_another(model, ranked, first.baseline, first.chosen, first.progress)
+    base = first.baseline
+    most = max(first.fits.values(), key=lambda found: gained_most(base, found))
+    other = likelier_with_another(model, ranked, base, most, first.progress)
     if other is None:
         return first
     second = _begun(first, other, guess)

@@ -78,7 +78,7 @@ def likelier_with_another(
     found: Fit,
     progress: Callable[[str], None],
 ) -> Reading | None:
-    """Return the reading that another effect makes likelier than what was found makes the first.
+    """Return the reading that an effect makes likelier than any makes the first, if there is one.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def likelier_with_another(
     ranked : sequence of Reading
         From `ranked_readings`.
     baseline, found : Fit
-        Of the first, without and with what was found there.
+        Of the first, without an effect and with what explains most, whether it was named or not.
     progress : callable
         Told what is being worked out.
 
@@ -106,10 +106,9 @@ def likelier_with_another(
     if not others:
         return None
     progress("asking what other effects would make of the ways to read the recordings")
-    effects = [e for e in model.effects if e.id not in found.hypothesis.effects]
     likeliest, best = reached - LEAST_GAIN, None
     for other in others[:_WORTH_ASKING]:
-        promises = _promised(model, other, effects)
+        promises = _promised(model, other, model.effects)
         if other.unlikely - max(promises.values(), default=0.0) < likeliest:
             unlikely = other.unlikely - _explained(model, other, promises)
             if unlikely < likeliest:

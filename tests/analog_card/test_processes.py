@@ -53,5 +53,3 @@ def test_processes_end_with_the_program_that_was_killed(tmp_path, finish, start)
 def test_what_was_begun_is_finished_where_that_is_asked_for():
     with processes(1, finish=True) as pool:
         assert pool.submit(signal.getsignal, signal.SIGINT).result() == signal.SIG_IGN
-    with processes(1) as pool:
-        assert pool.submit(signal.getsignal, signal.SIGINT).result() != signal.SIG_IGN

@@ -263,7 +263,7 @@ def small(tmp_path, monkeypatch):
             return future
 
     monkeypatch.setattr(trial_module, "_make", make)
-    monkeypatch.setattr(trial_module, "ProcessPoolExecutor", Here)
+    monkeypatch.setattr(trial_module, "processes", Here)
     return open_trial(tmp_path / "trial", 3, 5)
 
 

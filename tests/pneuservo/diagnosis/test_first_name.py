@@ -119,6 +119,10 @@ class Read(SimpleNamespace):
     def leaves_noise(self, found):
         return self.leaves < 1.15
 
+    @property
+    def fits(self):
+        return {name: name for name in self.accepted}
+
 
 @pytest.mark.parametrize(
     ("guess", "leaves", "there", "named", "read", "times_asked"),
@@ -195,6 +199,7 @@ def test_another_effect_turns_the_reading_where_more_than_noise_is_left(
             interrupted=False,
         )
 
+    monkeypatch.setattr(first_name, "gained_most", lambda before, after: 100.0)
     monkeypatch.setattr(first_name, "likelier_with_another", lambda *given: "second")
     monkeypatch.setattr(first_name, "_followed", lambda first, reading: search(reading, []))
     first = search("first", ["a lag"])
