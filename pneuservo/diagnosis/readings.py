@@ -7,7 +7,7 @@ from pneuservo.diagnosis.fit import Fit, gained_most, rms
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.judge import DECISIVE, LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import are_the_same
+from pneuservo.diagnosis.models.model import is_among
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.ways import (
     Cases,
@@ -19,7 +19,6 @@ from pneuservo.diagnosis.ways import (
     likeliest_of_each,
     of_recording,
     unlikeliness_as_followed,
-    unlikeliness_in,
     values_in,
 )
 
@@ -124,12 +123,9 @@ def _with_mixtures(
         return ways, fits, unlikely
     at_best = at_their_best(model, readings, fits)
 
-    def is_new(mixture: Cases) -> bool:
-        return not any(are_the_same(mixture, way) for way in ways)
-
     def try_as_well(mixture: Cases) -> None:
         nonlocal unlikely
-        if is_new(mixture):
+        if not is_among(mixture, ways):
             nearest = fits[_likeliest(unlikely, fits)]
             ways.append(mixture)
             fits.append(refitted(model, mixture, nearest))
@@ -141,7 +137,7 @@ def _with_mixtures(
     for recording in unlikely[0]:
         best = _likeliest(unlikely, fits)
         turned = [_turned(ways[best], reading, recording) for reading in readings]
-        others = [way for way, mixture in enumerate(turned) if is_new(mixture)]
+        others = [way for way, mixture in enumerate(turned) if not is_among(mixture, ways)]
         if not others:
             continue
         other = min(others, key=lambda way: at_best[way][recording])
@@ -224,12 +220,16 @@ def likelier_with(
     fits += side_by_side(fitted_in, tried[1:])
     ways = [reading.cases for reading in tried]
     mixture = likeliest_of_each(ways, at_their_best(model, ways, fits))
-    if not any(are_the_same(mixture, way) for way in ways):
-        nearest = fits[_likeliest(unlikeliness_in(model, ways, values_in(ways, fits)), fits)]
+    values = values_in(ways, fits)
+    excused = all_excused(model, ways, values)
+    unlikely = unlikeliness_as_followed(model, excused, values)
+    if not is_among(mixture, ways):
         tried.append(Reading(mixture))
         ways.append(mixture)
-        fits.append(refitted(model, mixture, nearest))
-    unlikely = unlikeliness_in(model, ways, values_in(ways, fits))
+        fits.append(refitted(model, mixture, fits[_likeliest(unlikely, fits)]))
+        values.extend(values_in(ways[-1:], fits[-1:]))
+        excused.append(best_excused(model, mixture, values[-1]))
+        unlikely = unlikeliness_as_followed(model, excused, values)
     by_name = [
         Reading(way, found, _total(each, found))
         for way, found, each in zip(ways, fits, unlikely, strict=True)

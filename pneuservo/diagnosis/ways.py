@@ -7,7 +7,7 @@ from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Levels, Values, are_the_same
+from pneuservo.diagnosis.models.model import Levels, Values, is_among
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.unknowns import values_in_each
 
@@ -238,7 +238,7 @@ def alone(
         for each in recordings
         if at_best[way][each] < limits[each]
         # What reads a recording as one before it does would only be fitted twice.
-        and not any(are_the_same(mine[way][each], before[each]) for before in mine[:way])
+        and not is_among(mine[way][each], (before[each] for before in mine[:way]))
     ]
 
     def by_its_own(asked: tuple[int, int]) -> float:

@@ -1,6 +1,6 @@
 """What every model of the diagnosis offers."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -181,6 +181,19 @@ def are_the_same(one: Sequence[Case], other: Sequence[Case]) -> bool:
         Of recordings in their order.
     """
     return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+
+
+def is_among(one: Sequence[Case], ways: Iterable[Sequence[Case]]) -> bool:
+    """Return whether recordings are as they are in one of several ways.
+
+    Parameters
+    ----------
+    one : sequence of Case
+        Of recordings in their order.
+    ways : iterable of sequence of Case
+        The same recordings, each time in another way.
+    """
+    return any(are_the_same(one, way) for way in ways)
 
 
 class Model:

@@ -48,7 +48,6 @@ def let_ways_know(monkeypatch):
             "all_excused": lambda model, all_, values: list(all_),
             "best_excused": lambda model, cases, values: cases,
             "unlikeliness_as_followed": lambda model, all_, values: [*map(ways.of_each, all_)],
-            "unlikeliness_in": lambda model, all_, values: [*map(ways.of_each, all_)],
             "at_their_best": lambda model, all_, fits: ways.alone(all_),
             "refitted": lambda model, cases, near: ways.fitted(cases),
             "fit": lambda model, cases, *near, **elsewhere: ways.fitted(cases),

@@ -16,7 +16,7 @@ from pneuservo.diagnosis.models.model import (
     Table,
     Unknown,
     Values,
-    are_the_same,
+    is_among,
 )
 from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke
 from pneuservo.diagnosis.models.servo.between_samples import AsGiven, with_running_command
@@ -281,7 +281,7 @@ def _different(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
     """Return ways to follow the same recordings, each once."""
     found: list[list[Case]] = []
     for way in ways:
-        if not any(are_the_same(way, other) for other in found):
+        if not is_among(way, found):
             found.append(list(way))
     return found
 
