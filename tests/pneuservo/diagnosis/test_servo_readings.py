@@ -136,6 +136,27 @@ def test_a_held_command_is_told_from_one_that_runs_on(rig):
     assert not held[0].inputs["feed"].ramped
 
 
+@pytest.mark.parametrize(
+    ("kind", "runs_on"),
+    [("analogue-card", True), ("digital", False), ("hybrid", False), ("proportional", True)],
+)
+def test_where_samples_hardly_tell_it_the_stated_controller_decides(rig, kind, runs_on):
+    # Without pressures the ways to read a slow loop are as likely as each other.
+    analogue = recorded(rig, Proportional(), 4)
+    seen = {name: analogue[name] for name in ("valve_voltage", "displacement")}
+    model = ServoModel()
+    cases = model.cases(replace(analogue, channels=seen, controller={"kind": kind}), rig)
+    assert read_as(model, cases)[0].inputs["feed"].ramped == runs_on
+
+
+def test_what_samples_tell_is_not_overruled_by_the_stated_controller(rig):
+    run = simulate(rig, time=TIME, command=4.0 * np.sign(np.sin(250.0 * TIME + 0.1)))
+    relay = noisy(run, np.random.default_rng(7))
+    model = ServoModel()
+    stated = replace(relay, controller={"kind": "analogue-card"})
+    assert not read_as(model, model.cases(stated, rig))[0].inputs["feed"].ramped
+
+
 def test_what_a_reading_does_not_judge_is_no_argument_for_it(rig):
     # Read as if it ran on, the pressures are so unsure that the piston seems to stick.
     rng = np.random.default_rng(1)

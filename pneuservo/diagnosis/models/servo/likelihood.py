@@ -16,6 +16,11 @@ _NO_MISFIT = 1.25
 """Noise is known to about a tenth: a square that is larger by less is none."""
 _MEDIAN = 0.455
 """Of the square of a standard normal variable."""
+_RUNS_ON = {"analogue-card": True, "digital": False, "hybrid": False}
+"""Whether the command of a controller that a sidecar states runs on from sample to sample."""
+_OTHERWISE_THAN_STATED = 50.0
+"""What the method's own errors may make of two ways to read a command, as of any two laws; a
+computer may sample faster than the recorder, and a command is held then by neither."""
 
 
 def innovations(fed: Feed, values: Values, rig: Rig) -> Array:
@@ -58,8 +63,12 @@ def unlikeliness_of(
         As for `levels_of`.
     levels : mapping, optional
         What innovations count in, of `levels_of`; without them in their noise.
+
+    Notes
+    -----
+    One whose command is read otherwise than its stated controller puts it out is less likely.
     """
-    total = 0.0
+    total = sum(_otherwise_than_stated(case) for case in cases if case.inputs["leads"])
     for case, mine in zip(cases, values, strict=True):
         for channel, squares, shares in _seen(case, mine) if case.inputs["leads"] else ():
             level = levels[id(case.origin), channel] if levels else 1.0
@@ -89,6 +98,11 @@ def compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
         for case in chain(*ways)
     }
     return [[marked[id(case)] for case in way] for way in ways]
+
+
+def _otherwise_than_stated(case: Case) -> float:
+    runs_on = _RUNS_ON.get(case.origin.controller.get("kind", ""))
+    return 0.0 if runs_on in (None, case.inputs["feed"].ramped) else _OTHERWISE_THAN_STATED
 
 
 def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
