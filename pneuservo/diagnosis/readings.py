@@ -1,6 +1,6 @@
 """How recordings are to be read: where they do not say, what fits better is taken."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pneuservo.diagnosis.fit import Fit, gained_most, rms
@@ -75,11 +75,12 @@ def ranked_readings(
     if len(readings) == 1:
         return [Reading(readings[0])]
     progress("fitting the baseline to each way in which the recordings may be read")
-    ways, fits, unlikely = _with_mixtures(model, readings)
+    tried = _with_mixtures(model, readings)
     # Of mixtures only the likeliest is worth coming back to.
-    best = _likeliest(unlikely, fits)
-    kept = [n for n in range(len(ways)) if n < len(readings) or n == best]
-    found = [Reading(ways[n], fits[n], _total(unlikely[n], fits[n])) for n in kept]
+    best = tried.likeliest
+    found = [
+        reading for n, reading in enumerate(tried.as_readings()) if n < len(readings) or n == best
+    ]
     return least_strained_first(sorted(found, key=lambda reading: reading.unlikely))
 
 
@@ -104,10 +105,65 @@ def _strain(reading: Reading) -> float:
     return reading.baseline.penalty if reading.baseline else 0.0
 
 
-def _with_mixtures(
-    model: Model, readings: Sequence[Cases]
-) -> tuple[list[Cases], list[Fit], list[dict[int, float]]]:
-    """Return ways to read recordings, mixtures among them, baselines, and how unlikely each is.
+@dataclass
+class _Tried:
+    """Ways to read recordings that have been tried, with a fit to each.
+
+    Parameters
+    ----------
+    model : Model
+        What is fitted.
+    ways : list of sequences of Case
+        The same recordings, each time read in another way.
+    fits : list of Fit
+        To each of them.
+    """
+
+    model: Model
+    ways: list[Cases]
+    fits: list[Fit]
+
+    def __post_init__(self) -> None:
+        """Work out how unlikely each recording is in each of the ways."""
+        self._values = values_in(self.ways, self.fits)
+        self._excused = all_excused(self.model, self.ways, self._values)
+        self._compare()
+
+    def _compare(self) -> None:
+        self.unlikely = unlikeliness_as_followed(self.model, self._excused, self._values)
+
+    @property
+    def totals(self) -> list[float]:
+        """Return how unlikely all recordings are in each way, and what its fit has found."""
+        each = zip(self.unlikely, self.fits, strict=True)
+        return [sum(unlikely.values()) + found.penalty for unlikely, found in each]
+
+    @property
+    def likeliest(self) -> int:
+        """Return which of the ways is the likeliest."""
+        totals = self.totals
+        return totals.index(min(totals))
+
+    def try_as_well(self, mixture: Cases) -> bool:
+        """Add a mixture of the ways, fitted from the likeliest; return whether it is a new one."""
+        if is_among(mixture, self.ways):
+            return False
+        found = refitted(self.model, mixture, self.fits[self.likeliest])
+        (values,) = values_in([mixture], [found])
+        self.ways.append(mixture)
+        self.fits.append(found)
+        self._values.append(values)
+        self._excused.append(best_excused(self.model, mixture, values))
+        self._compare()
+        return True
+
+    def as_readings(self) -> list[Reading]:
+        """Return all of them as readings, in order."""
+        return [Reading(*each) for each in zip(self.ways, self.fits, self.totals, strict=True)]
+
+
+def _with_mixtures(model: Model, readings: Sequence[Cases]) -> _Tried:
+    """Return ways to read recordings, mixtures among them.
 
     Each recording in its likeliest way first; then the likeliest of all, one recording at a time
     turned to the likeliest way that it was not read in beside the others: beside a relay that was
@@ -115,37 +171,24 @@ def _with_mixtures(
     which it is likeliest alone: by parameters that a wrong way to read the other had led to, the
     right way was too unlikely to be turned to.
     """
-    ways, fits = list(readings), baselines_of(model, readings, None)
-    values = values_in(ways, fits)
-    excused = all_excused(model, ways, values)
-    unlikely = unlikeliness_as_followed(model, excused, values)
-    if len(unlikely[0]) == 1:
-        return ways, fits, unlikely
+    fits = baselines_of(model, readings, None)
+    tried = _Tried(model, list(readings), list(fits))
+    if len(tried.unlikely[0]) == 1:
+        return tried
     at_best = at_their_best(model, readings, fits)
-
-    def try_as_well(mixture: Cases) -> None:
-        nonlocal unlikely
-        if not is_among(mixture, ways):
-            nearest = fits[_likeliest(unlikely, fits)]
-            ways.append(mixture)
-            fits.append(refitted(model, mixture, nearest))
-            values.extend(values_in(ways[-1:], fits[-1:]))
-            excused.append(best_excused(model, mixture, values[-1]))
-            unlikely = unlikeliness_as_followed(model, excused, values)
-
-    try_as_well(likeliest_of_each(ways, unlikely))
-    for recording in unlikely[0]:
-        best = _likeliest(unlikely, fits)
-        turned = [_turned(ways[best], reading, recording) for reading in readings]
-        others = [way for way, mixture in enumerate(turned) if not is_among(mixture, ways)]
+    tried.try_as_well(likeliest_of_each(tried.ways, tried.unlikely))
+    for recording in tried.unlikely[0]:
+        best = tried.likeliest
+        turned = [_turned(tried.ways[best], reading, recording) for reading in readings]
+        others = [way for way, mixture in enumerate(turned) if not is_among(mixture, tried.ways)]
         if not others:
             continue
         other = min(others, key=lambda way: at_best[way][recording])
-        if at_best[other][recording] < _NOT_HOPELESS * unlikely[best][recording]:
-            try_as_well(turned[other])
-    if leaves_little(fits[_likeliest(unlikely, fits)]):
-        try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
-    return ways, fits, unlikely
+        if at_best[other][recording] < _NOT_HOPELESS * tried.unlikely[best][recording]:
+            tried.try_as_well(turned[other])
+    if leaves_little(tried.fits[tried.likeliest]):
+        tried.try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
+    return tried
 
 
 def leaves_little(found: Fit) -> bool:
@@ -157,16 +200,6 @@ def leaves_little(found: Fit) -> bool:
         To recordings in one way in which they may be read.
     """
     return max(rms([residual]) for residual in found.residuals) < _FAR_MORE
-
-
-def _likeliest(unlikely: Sequence[Mapping[int, float]], fits: Sequence[Fit]) -> int:
-    """Return which of some ways is the likeliest."""
-    return min(range(len(unlikely)), key=lambda n: _total(unlikely[n], fits[n]))
-
-
-def _total(unlikely: Mapping[int, float], found: Fit) -> float:
-    """Return how unlikely all recordings are, and the parameters that a fit has found."""
-    return sum(unlikely.values()) + found.penalty
 
 
 def _turned(cases: Cases, other: Cases, recording: int) -> list[Case]:
@@ -210,31 +243,19 @@ def likelier_with(
         return None
     progress("fitting what was found to each way in which the recordings may be read")
     # It may have taken more than one fit to find it: the first is judged by the likelier.
-    tried = [first, first, *others]
-    fits = [named]
+    asked = [first, first, *others]
 
     def fitted_in(reading: Reading) -> Fit:
         near = reading.baseline
         return fit(model, reading.cases, named.hypothesis, near, elsewhere=named)
 
-    fits += side_by_side(fitted_in, tried[1:])
-    ways = [reading.cases for reading in tried]
-    mixture = likeliest_of_each(ways, at_their_best(model, ways, fits))
-    values = values_in(ways, fits)
-    excused = all_excused(model, ways, values)
-    unlikely = unlikeliness_as_followed(model, excused, values)
-    if not is_among(mixture, ways):
-        tried.append(Reading(mixture))
-        ways.append(mixture)
-        fits.append(refitted(model, mixture, fits[_likeliest(unlikely, fits)]))
-        values.extend(values_in(ways[-1:], fits[-1:]))
-        excused.append(best_excused(model, mixture, values[-1]))
-        unlikely = unlikeliness_as_followed(model, excused, values)
-    by_name = [
-        Reading(way, found, _total(each, found))
-        for way, found, each in zip(ways, fits, unlikely, strict=True)
-    ]
+    fits = [named, *side_by_side(fitted_in, asked[1:])]
+    tried = _Tried(model, [reading.cases for reading in asked], fits)
+    mixture = likeliest_of_each(tried.ways, at_their_best(model, tried.ways, fits))
+    if tried.try_as_well(mixture):
+        asked.append(Reading(mixture))
+    by_name = tried.as_readings()
     ranked_by_name = sorted(by_name, key=lambda reading: reading.unlikely)
     likeliest = least_strained_first(ranked_by_name)[0]
-    best = next(reading for reading, own in zip(tried, by_name, strict=True) if own is likeliest)
+    best = next(reading for reading, own in zip(asked, by_name, strict=True) if own is likeliest)
     return None if best is first else best
