@@ -6,11 +6,8 @@ import numpy as np
 
 from pneuservo.challenge.effects import CONCEALED, OUTSIDE, PARAMETER, PHYSICS, SENSOR
 from pneuservo.challenge.key import Wish
+from pneuservo.challenge.sizes import FEWEST_CONTROLS, FULL
 
-QUICK = 32
-FEWEST_CONTROLS = 47
-"""At most one false alarm in so many bounds its rate below a tenth with 95 % confidence."""
-FULL = 200
 _SHARES = {
     "wrong-parameter": 0.09,
     "pair": 0.12,

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from pneuservo.challenge.judge import CONFIDENT, Judged
-
-_Z = 1.959963985  # of 95 %
+from pneuservo.intervals import CONFIDENCE
 
 
 def wilson(successes: int, trials: int) -> tuple[float, float]:
@@ -30,11 +29,10 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
     """
     if trials == 0:
         return 0.0, 1.0
-    share = successes / trials
-    spread = _Z * math.sqrt(share * (1.0 - share) / trials + _Z**2 / (4.0 * trials**2))
-    middle = share + _Z**2 / (2.0 * trials)
-    scale = 1.0 + _Z**2 / trials
-    return max((middle - spread) / scale, 0.0), min((middle + spread) / scale, 1.0)
+    from scipy.stats import binomtest
+
+    found = binomtest(successes, trials).proportion_ci(CONFIDENCE, method="wilson")
+    return float(found.low), float(found.high)
 
 
 @dataclass(frozen=True)

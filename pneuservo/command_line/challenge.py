@@ -7,9 +7,9 @@ import click
 
 from analog_card.console import Count, progress
 from analog_card.files import write_whole
+from pneuservo.challenge.sizes import FULL, QUICK
 from pneuservo.naming import require_known
 
-_QUICK, _FULL = 32, 200
 _EPILOG = """\b
 Examples:
   pneuservo challenge --quick --out out/challenge-quick
@@ -19,8 +19,8 @@ Examples:
 
 
 @click.command("challenge", epilog=_EPILOG)
-@click.option("--cases", type=Count(min=1), help=f"How many cases; {_FULL} in a new folder.")
-@click.option("--quick", is_flag=True, help=f"A trial of {_QUICK} cases.")
+@click.option("--cases", type=Count(min=1), help=f"How many cases; {FULL} in a new folder.")
+@click.option("--quick", is_flag=True, help=f"A trial of {QUICK} cases.")
 @click.option(
     "--seed", type=Count(min=0), help="Draws the cases; drawn by chance and stated without it."
 )
@@ -83,9 +83,9 @@ def command(
         require_known(part, PARTS, "--without")
     if quick and cases is not None:
         raise click.UsageError("--quick and --cases exclude each other")
-    wanted = _QUICK if quick else cases
+    wanted = QUICK if quick else cases
     if wanted is None and not (out / "plan.json").exists():
-        wanted = _FULL
+        wanted = FULL
     others = [open_trial(folder, None, None) for folder in beside]
     trial = open_trial(out, wanted, seed)
     with progress((2 + len(without)) * trial.cases) as step:

@@ -55,7 +55,7 @@ class Accepted(Hypotheses):
 
     @cached_property
     def noise(self) -> list[float]:
-        """Return the noise of the judged channel in each recording [SI].
+        """Return the noise of the judged channel in each recording [unit of the cases].
 
         Where it was not stated it is the floor of the channel or of what the baseline leaves,
         whichever is lower: what the baseline explains, a jump for example, is no noise. Where what
@@ -70,7 +70,7 @@ class Accepted(Hypotheses):
 
     @property
     def noise_rms(self) -> float:
-        """Return the noise of all recordings together [SI]."""
+        """Return the noise of all recordings together [unit of the cases]."""
         return float(np.sqrt(np.mean(np.square(self.noise))))
 
     def leaves_noise(self, found: Fit) -> bool:
@@ -185,8 +185,14 @@ class Accepted(Hypotheses):
             hypothesis = hypothesis.adding(member)
         return hypothesis
 
-    def _compatible(self, accepted: Sequence[str]) -> list[str]:
-        """Return the candidates that may be added to some others."""
+    def compatible(self, accepted: Sequence[str]) -> list[str]:
+        """Return the candidates that may be added to some others.
+
+        Parameters
+        ----------
+        accepted : sequence of str
+            The others; what the rig holds already counts as well.
+        """
         group = {effect.id: effect.group for effect in self.model.effects}
         present = [*accepted, *self.cases[0].rig.effects]
         taken = {group.get(name, "") for name in present} - {""}

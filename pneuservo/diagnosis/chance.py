@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pneuservo.diagnosis.fit import orthonormal
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.noise import surrogate
 
@@ -24,7 +25,7 @@ def chance_gain(
         Sensitivities of each candidate's own parameters, in any scale.
     noise : sequence of array
         What the best model leaves, one array per recording, n samples in all; its spectrum is
-        that of the noise [SI].
+        that of the noise [of its spread].
     seed : int, optional
         Seed of the random phases.
 
@@ -32,7 +33,7 @@ def chance_gain(
     -------
     float
         The 95 % point of the largest drop in the sum of squares over all candidates
-        [SI squared].
+        [of the noise's variance].
 
     Notes
     -----
@@ -55,5 +56,4 @@ def _span(columns: Array, whole: Array | None = None) -> Array:
     """Return an orthonormal basis of columns that are not just rounding of the whole ones."""
     sizes = np.linalg.norm(columns, axis=0)
     before = sizes if whole is None else np.linalg.norm(whole, axis=0)
-    kept = (sizes > 1e-6 * before) & (before > 0.0)
-    return np.linalg.qr(columns[:, kept] / sizes[kept])[0]
+    return orthonormal(columns[:, sizes > 1e-6 * before])

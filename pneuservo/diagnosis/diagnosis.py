@@ -6,9 +6,9 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pneuservo.diagnosis.as_found import as_found
+from pneuservo.diagnosis.enough_samples import require_enough_judged, require_enough_numbers
 from pneuservo.diagnosis.first_name import with_first_name
 from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.held_back import HeldBack, times_missed_at_best
@@ -248,8 +248,7 @@ def diagnose(
     model = model_of(chosen_rig.kind, frozenset(without))
     # Models other than those run by kernels share what they simulate with, and would only wait.
     jobs = jobs if model.steady else 1
-    # The fits' matrices are tall and narrow: threads would only wait for each other.
-    with at_a_time(jobs), threadpool_limits(limits=1, user_api="blas"):
+    with at_a_time(jobs):
         prepared = side_by_side(
             lambda recording: _prepare(model, recording, chosen_rig), [*recordings, *validate]
         )
@@ -364,9 +363,12 @@ def _named(search: Search) -> float:
 
 def _prepare(model: Model, recording: Recording, rig: Rig) -> list[Case]:
     rig = rig.with_conditions(recording.conditions)
+    require_enough_numbers(recording, model.unread)
     recording = model.completed(recording, rig)
     model.require_channels(recording)
-    return model.cases(model.with_word_of_unread(recording), rig)
+    cases = model.cases(model.with_word_of_unread(recording), rig)
+    require_enough_judged(cases)
+    return cases
 
 
 def _common_rig(recordings: Sequence[Recording], rig: str | Path | Rig | None) -> Rig:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from heapq import nlargest
+from threading import Lock
 from typing import Any
 
 from pneuservo.diagnosis.fit import Fit, explained, gained_most, misses_more
@@ -65,6 +66,7 @@ class Hypotheses:
     _hopeless: dict[str, list[Hypothesis]] = field(default_factory=dict)
     """Candidates beside which the fit ended worse than without them."""
     _ended: set[Hypothesis] = field(default_factory=set)
+    _bookkeeping: Lock = field(default_factory=Lock, repr=False)
     _from_nominal: Mapping[str, float] | None = None
     """What effects promise if parameters that are strained are nominal after all, once asked."""
 
@@ -211,10 +213,14 @@ class Hypotheses:
         more than the new one alone: beside a lag that had been 0.2 ms, and was 0.41 as soon as a
         delay had shown the way, a leak at null "explained" minus 8,000.
         """
-        before, self.fits[hypothesis] = self.fits[hypothesis], closer
-        self._ended.discard(hypothesis)
-        if explained(before, closer) < FAR:
-            return
+        # Fits that are done beside each other may be replaced at the same time.
+        with self._bookkeeping:
+            before, self.fits[hypothesis] = self.fits[hypothesis], closer
+            self._ended.discard(hypothesis)
+            if explained(before, closer) >= FAR:
+                self._forget_what_came_of(hypothesis, closer)
+
+    def _forget_what_came_of(self, hypothesis: Hypothesis, closer: Fit) -> None:
         self.pretence.forget(hypothesis)
         self._promising = {a: p for a, p in self._promising.items() if a[0] != hypothesis}
         for name, tried in self._hopeless.items():

@@ -62,7 +62,7 @@ class Step:
     share : float, optional
         Share of what the baseline leaves unexplained.
     rms : mapping of str to float, optional
-        What each candidate leaves [SI].
+        What each candidate leaves [unit of the cases].
     why : str, optional
         Why the member had to go, where nothing took its place.
     """

@@ -10,8 +10,9 @@ from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, problems_of
 from pneuservo.diagnosis.side_by_side import side_by_side
+from pneuservo.intervals import INTERVAL
 
-RISE = 3.841
+RISE = INTERVAL**2
 """Rise of the weighted sum of squares at the ends of a 95 % interval (chi-square, one value)."""
 _NEARLY = 0.05
 """Share of that rise within which an end is known well enough."""

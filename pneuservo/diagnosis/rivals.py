@@ -74,16 +74,22 @@ class Rivals(Accepted):
             and gain(rest, found) > (1.0 - SECOND_SHARE) * own
         ]
 
-    def one_cause_instead(self) -> str | None:
+    def one_cause_instead(self, base: Fit, several: Fit) -> str | None:
         """Return an effect that leaves no parameter wrong, and explains as much as several do.
 
         A zero that was off by 1.4 mm made one dead volume too large by 2.8 tolerances and the other
         too small by 3.0, and both were called wrong. Only for a model with steady sensitivities.
+
+        Parameters
+        ----------
+        base : Fit
+            What the effect is added to.
+        several : Fit
+            The same with the parameters that seem wrong free of their tolerance.
         """
         if not self.model.steady:
             return None
-        several, base = self.chosen, self.baseline
-        names = [name for name in self._compatible([]) if name in CATALOGUE]
+        names = [n for n in self.compatible(base.hypothesis.members) if n in CATALOGUE]
         promised = scores(base, self.pretence.signatures_beside(base), names, self._one_sided)
         best = nlargest(CAUSES_ASKED, promised, key=promised.__getitem__)
         found = self._ended_of(self._fitted_with(base, {n: promised[n] for n in best}), best)
@@ -101,7 +107,7 @@ class Rivals(Accepted):
         if self.interrupted:
             return self._in_place_of_so_far(member, kept)
         rest, forms = self.fitted(self._with(kept)), self.forms_of(member)
-        promises = self._promises(rest, self._compatible(kept), keep=forms)
+        promises = self._promises(rest, self.compatible(kept), keep=forms)
         needed = explained(rest, self.chosen)
         near = within_reach(rest, promises, needed, member)
         near |= {name: promises[name] for name in forms}

@@ -87,7 +87,7 @@ class Search(Rivals):
         """
         base = self.baseline
         judge = self._judge(base)
-        promises = self._worth_fitting(base, self._compatible([]), judge)
+        promises = self._worth_fitting(base, self.compatible([]), judge)
         best = nlargest(FITTED_FIRST, promises, key=promises.__getitem__)
         found = self._fitted_with(base, {name: promises[name] for name in best})
         name, gained = best_of(base, found, judge.barred)
@@ -189,10 +189,12 @@ class Search(Rivals):
 
         They cost little to explain recordings with, so that setting them free hardly explains more.
         None is named where there are many, or where one of them cannot be it; nor are two that one
-        effect would make seem so.
+        effect would make seem so, which is named instead, also beside others.
         """
-        chosen = self.chosen
-        if self.accepted or not self.leaves_noise(chosen) or not self.are_judged(chosen):
+        if not self.leaves_noise(self.chosen) or not self.are_judged(self.chosen):
+            return
+        if self.accepted:
+            self._name_one_cause_beside()
             return
         while wrong := out_of_tolerance(self.chosen):
             current, name = self.chosen, f"param.{wrong[0]}"
@@ -204,17 +206,34 @@ class Search(Rivals):
             drop = current.evidence(free.effective) - free.evidence(free.effective)
             step = Step(current.hypothesis.members, name, True, evidence_drop=drop, share=0.0)
             self.ledger.append(step)
-        seem_wrong = out_of_tolerance(self.baseline)
-        if self.accepted and len(seem_wrong) > 1 and (cause := self.one_cause_instead()):
+        several = self.chosen
+        if (
+            self.accepted
+            and len(out_of_tolerance(self.baseline)) > 1
+            and (cause := self.one_cause_instead(self.baseline, several))
+        ):
             self.give_up(f"{cause} alone explains as much")
             self._name(cause, 0.0)
 
+    def _name_one_cause_beside(self) -> None:
+        """Name, beside others, one effect that makes two parameters or more seem wrong."""
+        chosen = self.chosen
+        wrong = out_of_tolerance(chosen)
+        if len(wrong) < 2:
+            return
+        free = chosen.hypothesis
+        for name in wrong:
+            free = free.adding(f"param.{name}")
+        if cause := self.one_cause_instead(chosen, self.ended(free)):
+            self._name(cause, 0.0)
+
     def _name(self, effect: str, share: float) -> None:
-        """Name an effect beside nothing else, for less than would have earned its place."""
-        found = self.fits[self._with([effect])]
-        drop = self.baseline.evidence(found.effective) - found.evidence(found.effective)
+        """Name an effect beside what was found for less than would have earned its place."""
+        members, rest = tuple(self.accepted), self.chosen
         self.accepted.append(effect)
-        self.ledger.append(Step((), effect, True, evidence_drop=drop, share=share))
+        found = self.chosen
+        drop = rest.evidence(found.effective) - found.evidence(found.effective)
+        self.ledger.append(Step(members, effect, True, evidence_drop=drop, share=share))
 
     def _may_be_wrong(self, name: str) -> bool:
         """Return whether setting a parameter free leaves it possible, and noise."""
@@ -320,9 +339,12 @@ class Search(Rivals):
         What the second explains may be so slow that the first, alone, leaves next to no
         independent samples to be judged by.
         """
+        if not self.ledger:
+            # Nothing could be added to what the rig holds already.
+            return None
         alone = self.ledger[-1].candidate
         first = self.fitted(self._with([alone]))
-        tried = self._fitted_with(first, self._promises(first, self._compatible([alone])))
+        tried = self._fitted_with(first, self._promises(first, self.compatible([alone])))
         if not tried:
             return None
         name = min(tried, key=lambda candidate: tried[candidate].rms)
@@ -341,7 +363,7 @@ class Search(Rivals):
         """
         if not self.model.steady or explained(self.baseline, current) < FAR:
             return {}
-        names = [n for n in self._compatible(self.accepted) if n in CATALOGUE]
+        names = [n for n in self.compatible(self.accepted) if n in CATALOGUE]
         signatures = self.pretence.signatures_beside(current)
         found = scores(self._bendable(current), signatures, names, self._one_sided)
         best = nlargest(FITTED_FIRST, found, key=found.__getitem__)
@@ -360,7 +382,7 @@ class Search(Rivals):
     def _best_addition(self) -> str | None:
         current = self.chosen
         judge = self._judge(current)
-        names = self._compatible(self.accepted)
+        names = self.compatible(self.accepted)
         if self.model.steady:
             self.pretence.work_out_beside(current)
         promises = self._worth_fitting(current, names, judge)

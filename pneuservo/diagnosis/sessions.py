@@ -13,13 +13,13 @@ from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unknowns import values_in
 from pneuservo.diagnosis.visibility import SAME_DIRECTION, cosine, lookalikes
+from pneuservo.intervals import CONFIDENCE
 from pneuservo.rigs import Rig, Session
 
 _STEP = 1e-4
 """Of a parameter, relative, that its sensitivity is taken from."""
 _ROUNDING = 1e-6
 """Relative difference of what was written to a file and read again, and of equal clocks."""
-_CONFIDENCE = 0.95
 
 
 def session_of(model: Model, cases: Sequence[Case], found: Fit) -> Session:
@@ -142,7 +142,7 @@ def _difference(
     value = float(np.mean(here) - np.mean(there))
     scatter = sum(float(np.sum((np.asarray(v) - np.mean(v)) ** 2)) for v in (there, here))
     spread = float(np.sqrt(scatter / freedom * (1.0 / len(there) + 1.0 / len(here))))
-    half = spread * float(t.ppf(0.5 + 0.5 * _CONFIDENCE, freedom))
+    half = spread * float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom))
     return {"value": value, "low": value - half, "high": value + half}
 
 

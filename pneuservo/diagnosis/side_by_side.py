@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from threading import Semaphore
 from typing import TypeVar
 
+from threadpoolctl import threadpool_limits
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -36,7 +38,11 @@ def at_a_time(jobs: int) -> Iterator[None]:
     jobs : int
         One and more, however pieces of work are divided into further ones.
     """
-    with ThreadPoolExecutor(_THREADS * jobs) as threads:
+    # The matrices of fits are tall and narrow: threads of the library's would only wait.
+    with (
+        ThreadPoolExecutor(_THREADS * jobs) as threads,
+        threadpool_limits(limits=1, user_api="blas"),
+    ):
         before = _HELPERS.set(_Helpers(threads, Semaphore(jobs - 1)) if jobs > 1 else None)
         try:
             yield
@@ -115,7 +121,9 @@ def _wait_for(called: list[Future[None]], helpers: _Helpers) -> None:
     """
     if any(not each.done() for each in called):
         helpers.free.release()
-        wait(called)
-        helpers.free.acquire()
+        try:
+            wait(called)
+        finally:
+            helpers.free.acquire()
     for each in called:
         each.result()

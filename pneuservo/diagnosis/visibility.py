@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pneuservo.diagnosis.fit import Fit
+from pneuservo.diagnosis.fit import Fit, orthonormal
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
@@ -44,8 +44,8 @@ def not_visible(search: Search) -> list[dict[str, str]]:
     list of dict
         ``effect``, ``why`` and the ``experiment`` that would show it.
     """
-    present = {*search.accepted, *search.cases[0].rig.effects}
-    effects = [e for e in search.model.effects if e.id not in present and _compatible(search, e)]
+    possible = search.compatible(search.accepted)
+    effects = [effect for effect in search.model.effects if effect.id in possible]
     reasons = (_faint if search.model.steady else _within_noise)(search, effects)
     return [
         {"effect": effect.id, "why": reasons[effect.id], "experiment": effect.experiment}
@@ -57,15 +57,13 @@ def not_visible(search: Search) -> list[dict[str, str]]:
 def _within_noise(search: Search, effects: Sequence[Effect]) -> dict[str, str]:
     """Return why some effects would not show though as large as they can be."""
     chosen = search.chosen
-    basis = np.linalg.qr(chosen.jacobian)[0] if chosen.jacobian.size else None
+    basis = orthonormal(chosen.jacobian)
     spread = chosen.rms * float(np.sqrt(chosen.samples / chosen.all_effective))
     reasons = {}
     for effect in effects:
         signature = _signature_at_full_size(search, chosen, effect)
         whole = float(np.linalg.norm(signature))
-        rest = whole
-        if basis is not None:
-            rest = float(np.linalg.norm(signature - basis @ (basis.T @ signature)))
+        rest = float(np.linalg.norm(signature - basis @ (basis.T @ signature)))
         if rest / spread < DETECTABLE:
             absorbed = whole > 2.0 * rest and whole / spread >= DETECTABLE
             reasons[effect.id] = _ABSORBED if absorbed else _TOO_SMALL
@@ -170,11 +168,6 @@ def _same_direction(search: Search, parameter: str) -> list[str]:
     return alike
 
 
-def _compatible(search: Search, effect: Effect) -> bool:
-    taken = {e.group for e in search.model.effects if e.id in search.accepted and e.group}
-    return effect.group not in taken
-
-
 def _signature_at_full_size(search: Search, found: Fit, effect: Effect) -> Array:
     size = effect.parameters[0]
     full = size.high if abs(size.high) >= abs(size.low) else size.low
@@ -185,7 +178,7 @@ def _signature_at_full_size(search: Search, found: Fit, effect: Effect) -> Array
 
 def _sensitivity(search: Search, found: Fit, parameter: str) -> Array:
     value = found.shared[parameter]
-    step = 1e-4 * (abs(value) or search.cases[0].rig.parameters[parameter].tolerance)
+    step = 1e-4 * (abs(value) or search.cases[0].rig.parameters[parameter].tolerance or 1.0)
     changed = {parameter: value + step}
     return change_by(search.model, search.cases, found, changed, _RUNAWAY)
 

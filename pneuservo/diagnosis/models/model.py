@@ -138,6 +138,10 @@ class Case:
         Whatever else the model needs, worked out once.
     noise_rms : float
         Noise of the judged channel, in the unit of `measured`.
+    rig : Rig
+        The rig as it was under the conditions of the recording.
+    usable : (n,) array of bool
+        Which samples are judged.
     channel, unit : str
         The judged channel and its SI unit.
     scale : float

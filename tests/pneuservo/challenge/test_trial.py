@@ -10,10 +10,11 @@ from pneuservo.challenge.answers import Answer
 from pneuservo.challenge.classes import classmates
 from pneuservo.challenge.judge import judge, names
 from pneuservo.challenge.key import Key
-from pneuservo.challenge.mix import FEWEST_CONTROLS, QUICK, counts, draw_mix
+from pneuservo.challenge.mix import counts, draw_mix
 from pneuservo.challenge.page import trial_page
 from pneuservo.challenge.score import confusion, measures, wilson, wrong
 from pneuservo.challenge.seal import seal, unseal
+from pneuservo.challenge.sizes import FEWEST_CONTROLS, QUICK
 from pneuservo.challenge.trial import (
     diagnose_cases,
     judge_cases,

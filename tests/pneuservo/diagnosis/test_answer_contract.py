@@ -158,7 +158,7 @@ def test_probabilities_are_sorted_and_never_certain(found):
         rivals = [alternative["probability"] for alternative in entry["alternatives"]]
         assert rivals == sorted(rivals, reverse=True)
         assert all(0.0 <= p <= 1.0 for p in (entry["probability"], *rivals))
-        # 0.99 is the most that is claimed; rounding of the sum besides.
+        # Rounding of the sum besides.
         assert entry["probability"] + sum(rivals) <= 1.0 + 1e-9
 
 

@@ -268,7 +268,7 @@ def test_what_cannot_explain_enough_is_not_fitted(monkeypatch, effects, spring, 
     monkeypatch.setattr(search_module, "promises_count", lambda base: True)
     monkeypatch.setattr(Search, "_judge", lambda self, fit: judge)
     monkeypatch.setattr(Search, "_promised_elsewhere", lambda self, fit: {})
-    monkeypatch.setattr(Search, "_compatible", lambda self, accepted: list(promises))
+    monkeypatch.setattr(Search, "compatible", lambda self, accepted: list(promises))
     monkeypatch.setattr(Search, "_promises", lambda self, base, names: promises)
     monkeypatch.setattr(
         Search, "_best_fitted", lambda self, base, names, worth, barred: fitted.extend(worth)

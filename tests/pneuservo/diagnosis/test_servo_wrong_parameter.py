@@ -83,7 +83,7 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
         def are_judged(self, found):
             return True
 
-        def one_cause_instead(self):
+        def one_cause_instead(self, base, several):
             return None
 
     def fitted(members):
