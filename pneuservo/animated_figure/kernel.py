@@ -19,6 +19,7 @@ from pneuservo.manipulator.linkage import (
 from pneuservo.plant.compilation import compiled, compiled_apart
 from pneuservo.plant.control_law import CARD_TAPS
 from pneuservo.plant.copying import put
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.events import settle
 from pneuservo.plant.integrator import SMALLEST_OPENING, initial_modes
 from pneuservo.plant.lane_arrays import load_tuple
@@ -39,7 +40,6 @@ from pneuservo.plant.single_axis import (
     piston_force,
     plant_rates,
 )
-from pneuservo.plant.single_run import steps_between
 
 # Places in the frame's state, and in its row of outputs behind them.
 SWAY, SWAY_RATE, SWAY_ACCELERATION = range(3)

@@ -11,6 +11,7 @@ import numpy as np
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.control_law import CARD_TAPS
 from pneuservo.plant.copying import put, put_table
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.exponential import (
     CHAIN_LIKE,
@@ -26,13 +27,13 @@ from pneuservo.plant.lane_arrays import load_lane, load_lanes, store_rows
 from pneuservo.plant.lanes import WIDTH, lanes_that
 from pneuservo.plant.located_step import store, through_events
 from pneuservo.plant.outputs import (
-    OUTPUT_PRESSURE_A,
-    OUTPUT_PRESSURE_B,
     OUTPUTS,
+    PRESSURE_A_OUT,
+    PRESSURE_B_OUT,
     output_values,
 )
 from pneuservo.plant.single_axis import MODES_LIKE, PLANT_STATES, STATE_LIKE, STATES_WITH_CARD
-from pneuservo.plant.single_run import SAME_STEP, steps_between
+from pneuservo.plant.single_run import SAME_STEP
 
 
 @compiled
@@ -123,7 +124,7 @@ def _write(row, columns, outputs):
         broken = 0.0
         for i in range(PLANT_STATES):
             broken += 0.0 * row[i, lane]
-        if not min(row[OUTPUT_PRESSURE_A, lane], row[OUTPUT_PRESSURE_B, lane]) > 0.0:
+        if not min(row[PRESSURE_A_OUT, lane], row[PRESSURE_B_OUT, lane]) > 0.0:
             broken = math.nan
         for i in range(columns.shape[0]):
             outputs[lane, i] = row[columns[i], lane] + broken

@@ -17,6 +17,19 @@ from analog_card.differentiator_kernel import EXTENDED
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.events import settle
 from pneuservo.plant.integrator import advance, initial_modes
+from pneuservo.plant.outputs import (
+    ACCELERATION_OUT,
+    CARD_ACCELERATION_OUT,
+    CARD_VELOCITY_OUT,
+    DISPLACEMENT_OUT,
+    OUTPUTS,
+    PRESSURE_A_OUT,
+    PRESSURE_B_OUT,
+    SPOOL_OUT,
+    SURFACE_OUT,
+    VELOCITY_OUT,
+    VOLTAGE_OUT,
+)
 from pneuservo.plant.piston import acceleration, is_moving
 from pneuservo.plant.single_axis import (
     COMMAND,
@@ -35,6 +48,23 @@ from pneuservo.plant.single_axis import (
 FIRST, SECOND, SURFACE, CONTROL = (
     CARD_OUTPUTS.index(name) for name in ("first", "second", "surface", "control")
 )
+
+
+@compiled
+def write_voltages(voltages, output):
+    """Write the outputs that are voltages of the card.
+
+    Parameters
+    ----------
+    voltages : (n,) array
+        The card's outputs [V].
+    output : (m,) array
+        Written: places as in `pneuservo.plant.outputs.OUTPUTS`.
+    """
+    output[VOLTAGE_OUT] = voltages[CONTROL]
+    output[SURFACE_OUT] = voltages[SURFACE]
+    output[CARD_VELOCITY_OUT] = voltages[FIRST]
+    output[CARD_ACCELERATION_OUT] = voltages[SECOND]
 
 
 @compiled
@@ -138,13 +168,13 @@ def run_with_card(
     Returns
     -------
     (n, 10) array
-        One column per name of `pneuservo.plant.integrator.OUTPUTS`, in SI, each row just after
+        One column per name of `pneuservo.plant.outputs.OUTPUTS`, in SI, each row just after
         its time.
     """
     state = initial_state.copy()
     work, result = np.empty((3, PLANT_STATES)), np.empty(PLANT_STATES)
     card_work, voltages = np.empty((2, EXTENDED)), np.empty(len(CARD_OUTPUTS))
-    outputs = np.empty((time.shape[0], 10))
+    outputs = np.empty((time.shape[0], len(OUTPUTS)))
     held = inputs[0].copy()
     modes = initial_modes(state, held, plant)
     for k in range(time.shape[0]):
@@ -153,16 +183,14 @@ def run_with_card(
         card_outputs(card_state, sensitivity * state[DISPLACEMENT], card, card_work, voltages)
         held[COMMAND] = voltages[CONTROL]
         settle(state, modes, held, law, plant)
-        outputs[k, 0] = state[DISPLACEMENT]
-        outputs[k, 1] = state[VELOCITY]
-        outputs[k, 2] = acceleration(piston_force(state, held, plant), modes[MOTION], plant.piston)
-        outputs[k, 3] = state[PRESSURE_A]
-        outputs[k, 4] = state[PRESSURE_B]
-        outputs[k, 5] = state[SPOOL]
-        outputs[k, 6] = voltages[CONTROL]
-        outputs[k, 7] = voltages[SURFACE]
-        outputs[k, 8] = voltages[FIRST]
-        outputs[k, 9] = voltages[SECOND]
+        row = outputs[k]
+        row[DISPLACEMENT_OUT], row[VELOCITY_OUT] = state[DISPLACEMENT], state[VELOCITY]
+        row[ACCELERATION_OUT] = acceleration(
+            piston_force(state, held, plant), modes[MOTION], plant.piston
+        )
+        row[PRESSURE_A_OUT], row[PRESSURE_B_OUT] = state[PRESSURE_A], state[PRESSURE_B]
+        row[SPOOL_OUT] = state[SPOOL]
+        write_voltages(voltages, row)
         if k + 1 == time.shape[0] or not math.isfinite(state[DISPLACEMENT]):
             outputs[k + 1 :] = math.nan
             break

@@ -1,6 +1,5 @@
 """A closed test volume behind one port of the valve, charged or discharged with the spool held."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from pneuservo.plant.chamber import pressure_rate
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.control_law import limited
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.gas import Gas
 from pneuservo.plant.valve import Valve, chamber_a_mass_flow, chamber_b_mass_flow
 
@@ -90,9 +90,7 @@ def run_dead_volume(time, voltage, initial_pressure, port, plant, grid, largest_
         if k + 1 == time.shape[0]:
             break
         opening = limited(voltage[k], full) / full
-        interval = time[k + 1] - time[k]
-        steps = max(math.ceil(interval / largest_step - 1e-9), 1)
-        h = interval / steps
+        steps, h = steps_between(time[k], time[k + 1], largest_step)
         for _ in range(steps):
             k1 = dead_volume_rate(pressure, opening, port, plant, grid)
             k2 = dead_volume_rate(pressure + 0.5 * h * k1, opening, port, plant, grid)

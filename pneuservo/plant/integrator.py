@@ -4,12 +4,11 @@ For controllers that act in steps of their own, and as a reference: steps and lo
 not those of `pneuservo.plant.single_run`, the equations are.
 """
 
-import math
-
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.copying import put
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.outputs import OUTPUTS, output_values
 from pneuservo.plant.piston import is_moving, motion_from
@@ -222,10 +221,7 @@ def run(time, inputs, initial_state, law, plant, grid, largest_step):
         for i in range(len(row)):
             outputs[k, i] = row[i]
         if k + 1 < time.shape[0]:
-            interval = time[k + 1] - time[k]
-            steps = math.ceil(interval / largest_step - 1e-9)
-            for _ in range(max(steps, 1)):
-                advance(
-                    state, interval / max(steps, 1), modes, held, law, plant, grid, work, result
-                )
+            steps, step = steps_between(time[k], time[k + 1], largest_step)
+            for _ in range(steps):
+                advance(state, step, modes, held, law, plant, grid, work, result)
     return outputs

@@ -32,7 +32,18 @@ OUTPUTS = (
     "card_velocity",
     "card_acceleration",
 )
-OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B = 3, 4
+(
+    DISPLACEMENT_OUT,
+    VELOCITY_OUT,
+    ACCELERATION_OUT,
+    PRESSURE_A_OUT,
+    PRESSURE_B_OUT,
+    SPOOL_OUT,
+    VOLTAGE_OUT,
+    SURFACE_OUT,
+    CARD_VELOCITY_OUT,
+    CARD_ACCELERATION_OUT,
+) = range(len(OUTPUTS))
 
 
 @compiled

@@ -1,12 +1,11 @@
 """One run in fixed steps of the exponential method, with events located inside a step."""
 
-import math
-
 import numpy as np
 
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.control_law import CARD_TAPS
 from pneuservo.plant.copying import put
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.exponential import (
     CHAIN_LIKE,
@@ -24,19 +23,6 @@ from pneuservo.plant.single_axis import MODES_LIKE, STATE_LIKE, STATES_WITH_CARD
 
 # Steps whose lengths differ by less are the same: times are themselves rounded.
 SAME_STEP = 1e-11
-
-
-@compiled
-def steps_between(first, last, largest_step):
-    """Return into how many equal steps a span of time is divided, and their length [s].
-
-    Parameters
-    ----------
-    first, last, largest_step : float
-        Ends of the span, and what no step may exceed [s].
-    """
-    steps = max(math.ceil((last - first) / largest_step - 1e-9), 1)
-    return steps, (last - first) / steps
 
 
 @compiled

@@ -108,7 +108,7 @@ def run_behaviour(
     Returns
     -------
     (n, 10) array
-        One column per name of `pneuservo.plant.integrator.OUTPUTS`, in SI.
+        One column per name of `pneuservo.plant.outputs.OUTPUTS`, in SI.
     """
     return np.asarray(
         behavioural_card.run_with_card(

@@ -11,7 +11,7 @@ from pneuservo.plant import from_rig, single_run
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
 from pneuservo.plant.exponential import step_limit
-from pneuservo.plant.outputs import OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B, OUTPUTS
+from pneuservo.plant.outputs import OUTPUTS, PRESSURE_A_OUT, PRESSURE_B_OUT
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
 from pneuservo.simulation.behavioural_card import run_behaviour, stepped_card
@@ -176,7 +176,7 @@ def require_sound(times: Samples, outputs: Samples) -> None:
     outputs : (n, 10) array
         By `pneuservo.plant.outputs.OUTPUTS`, in SI.
     """
-    pressures = outputs[:, [OUTPUT_PRESSURE_A, OUTPUT_PRESSURE_B]]
+    pressures = outputs[:, [PRESSURE_A_OUT, PRESSURE_B_OUT]]
     states = outputs[:, : places.PLANT_STATES]
     require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
 

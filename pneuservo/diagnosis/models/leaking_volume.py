@@ -1,6 +1,5 @@
 """The closed test volume with everything the catalogue knows of it, compiled."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from pneuservo.plant.chamber import pressure_rate
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.dead_volume import PORT_A
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.leak_laws import laminar_leak, orifice_leak, power_leak
 from pneuservo.plant.valve import chamber_a_mass_flow, chamber_b_mass_flow
 
@@ -106,8 +106,8 @@ def run_leaking_volume(
     for k in range(1, time.size):
         span = time[k] - max(time[k - 1], start)
         if span > 0.0:
-            steps = max(math.ceil(span / largest_step - 1e-9), 1)
-            h, s = span / steps, opening[k - 1]
+            steps, h = steps_between(0.0, span, largest_step)
+            s = opening[k - 1]
             for _ in range(steps):
                 p1, t1 = _rates(p, t, s, port, plant, grid, leak, time_constant)
                 p2, t2 = _rates(p + h / 2 * p1, t + h / 2 * t1, s, port, plant, grid, leak,

@@ -7,7 +7,7 @@ import numpy as np
 from analog_card.behaviour_kernel import OUTPUTS as CARD_OUTPUTS
 from analog_card.behaviour_kernel import outputs as card_outputs
 from analog_card.differentiator_kernel import EXTENDED
-from pneuservo.plant.behavioural_card import CONTROL, FIRST, SECOND, SURFACE, mean_voltage
+from pneuservo.plant.behavioural_card import CONTROL, mean_voltage, write_voltages
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.chain import moving_reading, piston_acceleration, reading
 from pneuservo.plant.servo.drift import drifted
@@ -24,15 +24,6 @@ from pneuservo.plant.servo.layout import (
 from pneuservo.plant.servo.memory import record
 from pneuservo.plant.servo.run import advance, shut_spool, start, write_drive, write_output
 from pneuservo.plant.single_axis import DISPLACEMENT, PRESSURE_A
-
-
-@compiled
-def _write_card(voltages, output):
-    """Write the outputs that are voltages of the card."""
-    output[6] = voltages[CONTROL]
-    output[7] = voltages[SURFACE]
-    output[8] = voltages[FIRST]
-    output[9] = voltages[SECOND]
 
 
 @compiled
@@ -82,7 +73,7 @@ def run_servo_with_card(
         if delayed:
             record(state, modes, memory, rows, drive, 0.0, now, grid)
         write_output(state, modes, memory, rows, drive, now, grid, outputs[k])
-        _write_card(voltages, outputs[k])
+        write_voltages(voltages, outputs[k])
         if k + 1 == inputs.shape[0] or not math.isfinite(state[DISPLACEMENT] + state[PRESSURE_A]):
             outputs[k + 1 :] = math.nan
             break

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from pneuservo.plant.control_law import ControlLaw
-from pneuservo.plant.integrator import OUTPUTS as BASELINE_OUTPUTS
+from pneuservo.plant.outputs import OUTPUTS as BASELINE_OUTPUTS
 from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
 

@@ -6,11 +6,25 @@ import numpy as np
 
 from pneuservo.plant.analogue_card import differentiator_output
 from pneuservo.plant.control_law import CARD_TAPS, HELD_VOLTAGE, limited
+from pneuservo.plant.copying import put
+from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.integrator import (
     MOST_EVENTS_PER_STEP,
     MOST_TRIALS,
     SMALLEST_OPENING,
     TIME_TOLERANCE,
+)
+from pneuservo.plant.outputs import (
+    ACCELERATION_OUT,
+    CARD_ACCELERATION_OUT,
+    CARD_VELOCITY_OUT,
+    DISPLACEMENT_OUT,
+    PRESSURE_A_OUT,
+    PRESSURE_B_OUT,
+    SPOOL_OUT,
+    SURFACE_OUT,
+    VELOCITY_OUT,
+    VOLTAGE_OUT,
 )
 from pneuservo.plant.piston import acceleration
 from pneuservo.plant.servo.chain import commanded_voltage, derivative, heard, surface
@@ -105,19 +119,6 @@ def step_through(state, step, modes, memory, rows, drive, elapsed, servo, grid, 
 
 
 @compiled
-def copy_state(source, target):
-    """Copy one state over another.
-
-    Parameters
-    ----------
-    source, target : (n,) array
-        The second is changed.
-    """
-    for i in range(source.shape[0]):
-        target[i] = source[i]
-
-
-@compiled
 def advance(state, start, end, modes, memory, rows, drive, servo, grid, work, result):
     """Advance the state from one moment of an interval to another, through every event.
 
@@ -148,7 +149,7 @@ def advance(state, start, end, modes, memory, rows, drive, servo, grid, work, re
             found = margin(result, modes, memory, rows, drive, elapsed + trial, servo)
             if not locating:
                 if not found < 0.0 or events == MOST_EVENTS_PER_STEP:
-                    copy_state(result, state)
+                    put(result, state)
                     remember(state, modes, memory, rows, drive, elapsed + trial, trial, servo, grid)
                     return
                 locating, trials, kept = True, 0, 0
@@ -174,7 +175,7 @@ def advance(state, start, end, modes, memory, rows, drive, servo, grid, work, re
                     share = margin_after / (margin_after - margin_before)
                 trial -= width * min(max(share, 0.01), 0.99)
             continue
-        copy_state(result, state)
+        put(result, state)
         elapsed += trial
         remember(state, modes, memory, rows, drive, elapsed, trial, servo, grid)
         settle(state, modes, memory, rows, drive, elapsed, servo)
@@ -203,15 +204,21 @@ def write_output(state, modes, memory, rows, drive, servo, grid, output):
     displacement, velocity, heard_second = heard(state, second, servo)
     for i in range(output.shape[0]):
         output[i] = math.nan
-    output[0], output[1], output[2] = displacement, velocity, heard_second
-    output[3], output[4], output[5] = state[PRESSURE_A], state[PRESSURE_B], state[SPOOL]
+    output[DISPLACEMENT_OUT], output[VELOCITY_OUT] = displacement, velocity
+    output[ACCELERATION_OUT] = heard_second
+    output[PRESSURE_A_OUT], output[PRESSURE_B_OUT] = state[PRESSURE_A], state[PRESSURE_B]
+    output[SPOOL_OUT] = state[SPOOL]
     command = commanded_voltage(state, modes, memory, drive, 0.0, servo)
-    output[6] = limited(command, law.level)
+    output[VOLTAGE_OUT] = limited(command, law.level)
     if law.source != HELD_VOLTAGE:
-        output[7] = surface(state, modes, memory, drive, 0.0, servo)
+        output[SURFACE_OUT] = surface(state, modes, memory, drive, 0.0, servo)
     if law.source == CARD_TAPS:
-        output[8] = differentiator_output(state[CARD_DERIVATIVE_1], law.velocity_time_constant)
-        output[9] = differentiator_output(state[CARD_DERIVATIVE_2], law.acceleration_time_constant)
+        output[CARD_VELOCITY_OUT] = differentiator_output(
+            state[CARD_DERIVATIVE_1], law.velocity_time_constant
+        )
+        output[CARD_ACCELERATION_OUT] = differentiator_output(
+            state[CARD_DERIVATIVE_2], law.acceleration_time_constant
+        )
     supply = supply_at_valve(state, drive, 0.0, servo)
     output[SUPPLY_OUT] = supply
     output[TEMPERATURE_A_OUT] = temperature_of(state, TEMPERATURE_A, servo)
@@ -314,7 +321,7 @@ def run_servo(inputs, initial_state, servo, grid, largest_step):
         if delayed:
             record(state, modes, memory, rows, drive, 0.0, now, grid)
         write_output(state, modes, memory, rows, drive, now, grid, outputs[k])
-        steps = max(math.ceil(interval / largest_step - 1e-9), 1)
+        steps, _ = steps_between(0.0, interval, largest_step)
         if k + 1 == inputs.shape[0] or not math.isfinite(state[DISPLACEMENT] + state[PRESSURE_A]):
             outputs[k + 1 :] = math.nan
             break
