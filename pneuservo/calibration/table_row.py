@@ -10,9 +10,9 @@ from pneuservo.calibration.break_points import found_break_points, required_brea
 from pneuservo.calibration.flow_curve import FlowCurve, flow_curve
 from pneuservo.calibration.pressure_fit import Array, Found, PressureFit
 from pneuservo.calibration.transient import LEAK, Transient
-from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.errors import InputError
 from pneuservo.intervals import INTERVAL
+from pneuservo.noise import effective_samples
 
 # So wide an interval, as a share of the largest coefficient, decides nothing.
 _VISIBLE = 0.25

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.errors import InputError
+from pneuservo.noise import noise_floor
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
 from pneuservo.recordings import Recording
 from pneuservo.recordings.time_checks import FEWEST_SAMPLES

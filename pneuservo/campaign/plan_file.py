@@ -13,7 +13,6 @@ from pneuservo.campaign.axes import Axis, Random, read_axis
 from pneuservo.campaign.metrics import METRICS, OF_RECORDED, OF_SET_POINTS
 from pneuservo.campaign.parameters import variable_parameters
 from pneuservo.campaign.plan import Campaign
-from pneuservo.command_line.loop_controller import CARDS, loop_controller
 from pneuservo.controllers import AnalogueCard
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
@@ -22,6 +21,7 @@ from pneuservo.rigs import Rig
 from pneuservo.simulation import step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import Samples, require_kind
+from pneuservo.simulation.loop_controller import CARDS, loop_controller
 
 # How many samples are drawn at each point of the grid, unless said.
 TRIALS = 100

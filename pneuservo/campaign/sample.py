@@ -8,10 +8,10 @@ from analog_card.errors import AnalogCardError
 from pneuservo.campaign.metrics import metrics_of
 from pneuservo.campaign.parameters import CONTROLLER, ELEMENT, varied_design, varied_rig
 from pneuservo.campaign.plan import Campaign
-from pneuservo.command_line.loop_controller import CIRCUIT, LoopController, loop_controller
 from pneuservo.controllers import AnalogueCard, card_of
 from pneuservo.errors import PneuservoError
 from pneuservo.simulation import Simulation, simulate
+from pneuservo.simulation.loop_controller import CIRCUIT, LoopController, loop_controller
 
 
 def run_samples(campaign: Campaign, indices: Sequence[int]) -> Iterator[dict[str, Any]]:

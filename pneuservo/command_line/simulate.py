@@ -13,13 +13,6 @@ import numpy as np
 from analog_card.behaviour import Imperfections
 from analog_card.console import Count, Quantity, warn, writing
 from analog_card.plain_json import plain_json
-from pneuservo.command_line.loop_controller import (
-    CARDS,
-    UNITS,
-    LoopController,
-    loop_controller,
-    written,
-)
 from pneuservo.command_line.recording_files import read
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
@@ -30,6 +23,13 @@ from pneuservo.rigs import load_rig
 from pneuservo.simulation import Simulation, replay, step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import require_kind
+from pneuservo.simulation.loop_controller import (
+    CARDS,
+    UNITS,
+    LoopController,
+    loop_controller,
+    written,
+)
 from pneuservo.simulation.phase_plane import require_surface
 from pneuservo.simulation.replay import initial_state
 
@@ -164,7 +164,7 @@ def command(
         )
     files = {"out": out, "plot": plot, "phase_plane": phase_plane}
     _write(result, source, loop, files)
-    report = _report(result, source, loop, files)
+    report = _report(result, source, files)
     if as_json:
         click.echo(json.dumps(plain_json(report), indent=2))
     else:
@@ -233,7 +233,6 @@ def _write(
 def _report(
     result: Simulation,
     source: Recording | None,
-    loop: LoopController | None,
     files: Mapping[str, str | None],
 ) -> dict[str, Any]:
     controller = result.controller

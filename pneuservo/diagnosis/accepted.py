@@ -16,10 +16,10 @@ from pneuservo.diagnosis.judge import DECISIVE, ByEvidence, Judge
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.noise import noise_floor, noise_level
 from pneuservo.diagnosis.strained import leaves_noise, only_followed
 from pneuservo.diagnosis.unknowns import values_in_each
 from pneuservo.effects import CATALOGUE, effect_by_id
+from pneuservo.noise import noise_floor, noise_level
 
 
 @dataclass

@@ -6,7 +6,7 @@ import numpy as np
 
 from pneuservo.diagnosis.fit import orthonormal
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.noise import surrogate
+from pneuservo.noise import surrogate
 
 _DRAWS = 100
 _QUANTILE = 0.95

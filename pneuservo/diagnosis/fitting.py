@@ -11,13 +11,13 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array, Values
-from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.diagnosis.problem import Problem, begun_at, problem_with, problems_of
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.starts import Begin, best_start, least_of
 from pneuservo.diagnosis.steady import Known, SteadySensitivity
 from pneuservo.errors import FitError
 from pneuservo.intervals import INTERVAL
+from pneuservo.noise import effective_samples
 
 _DIFFERENCE_STEP = 1e-6
 _MOST_EVALUATIONS = 30

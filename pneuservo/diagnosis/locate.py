@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.noise import surrogate
+from pneuservo.noise import surrogate
 
 _LIFT = 1.3
 """A regime is named when its mean square is this many times that of the whole."""

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.errors import InputError
 from pneuservo.identification.result import Identification, estimates
 from pneuservo.identification.signals import (
@@ -14,6 +13,7 @@ from pneuservo.identification.signals import (
     force_balance,
 )
 from pneuservo.identification.whiteness import whiteness
+from pneuservo.noise import effective_samples
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation.inputs import require_kind

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.effects import effect_by_id
 from pneuservo.errors import InputError
 from pneuservo.identification.signals import CUTOFF_FREQUENCY, even, filtered
 from pneuservo.naming import require_known
+from pneuservo.noise import noise_floor
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.noise import effective_samples
 from pneuservo.errors import FitError, InputError
 from pneuservo.identification.least_squares import PARAMETERS, rig_of
 from pneuservo.identification.result import Identification, estimates
@@ -19,6 +18,7 @@ from pneuservo.identification.segments import (
     start_of,
 )
 from pneuservo.identification.whiteness import whiteness
+from pneuservo.noise import effective_samples
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 

@@ -30,6 +30,22 @@ class DeadVolume(NamedTuple):
 
 
 @compiled
+def flow_through_port(opening, pressure, port, plant, grid):
+    """Return the mass flow from the valve into the test volume [kg/s].
+
+    Parameters
+    ----------
+    opening, pressure, port, plant, grid
+        As in `dead_volume_rate`.
+    """
+    valve, gas = plant.valve, plant.gas
+    supply, ambient = plant.supply_pressure, plant.ambient_pressure
+    if port == PORT_A:
+        return chamber_a_mass_flow(opening, pressure, supply, ambient, valve, gas, grid)
+    return chamber_b_mass_flow(opening, pressure, supply, ambient, valve, gas, grid)
+
+
+@compiled
 def dead_volume_rate(pressure, opening, port, plant, grid):
     """Return the rate of the pressure in the test volume [Pa/s].
 
@@ -51,13 +67,8 @@ def dead_volume_rate(pressure, opening, port, plant, grid):
     p' = (n/V) R T m_dot, equation (4.12) at constant volume; (4.34) is the same, solved for the
     discharge coefficient.
     """
-    valve, gas = plant.valve, plant.gas
-    supply, ambient = plant.supply_pressure, plant.ambient_pressure
-    if port == PORT_A:
-        flow = chamber_a_mass_flow(opening, pressure, supply, ambient, valve, gas, grid)
-    else:
-        flow = chamber_b_mass_flow(opening, pressure, supply, ambient, valve, gas, grid)
-    return pressure_rate(flow, pressure, plant.volume, 0.0, plant.polytropic_index, gas)
+    flow = flow_through_port(opening, pressure, port, plant, grid)
+    return pressure_rate(flow, pressure, plant.volume, 0.0, plant.polytropic_index, plant.gas)
 
 
 @compiled

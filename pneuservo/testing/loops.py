@@ -9,13 +9,13 @@ from pneuservo.campaign.parameters import CONTROLLER, varied_rig
 from pneuservo.campaign.plan_file import campaign_of
 from pneuservo.campaign.sample import simulate_sample
 from pneuservo.campaign.summary import values_in_words
-from pneuservo.command_line.loop_controller import UNITS, LoopController, loop_controller
 from pneuservo.controllers import Controller, Proportional
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig
 from pneuservo.simulation import Simulation, step_demand
 from pneuservo.simulation.demand import HOLD, RATE, set_points
 from pneuservo.simulation.inputs import require_kind
+from pneuservo.simulation.loop_controller import UNITS, LoopController, loop_controller
 
 Value = str | float
 

@@ -17,11 +17,11 @@ from pneuservo.campaign.parameters import varied_design, varied_rig
 from pneuservo.campaign.plan import Campaign
 from pneuservo.campaign.plan_file import campaign_of
 from pneuservo.campaign.run import identity
-from pneuservo.command_line.loop_controller import FIGURES
 from pneuservo.controllers import AnalogueCard
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig
 from pneuservo.simulation.demand import names_recording
+from pneuservo.simulation.loop_controller import FIGURES
 
 OBJECTIVES = ("settling_time", "chatter", "control_effort")
 """What is made small, each in the worst rig of the set; metrics of a campaign."""

@@ -178,7 +178,7 @@ def _delayed(index, tick, time, delay, shares):
 
 
 @truth_kernel
-def _jets(y, kept, truth, supply, exhaust):
+def _jets(y, kept, truth, exhaust):
     """Keep which exhaust jets are attached."""
     valve = truth.valve
     if valve.attached_gain == 0.0:
@@ -208,7 +208,7 @@ def _run(
             readings[index // every :] = math.nan
             return
         supply, exhaust = boundary_pressures(time, y, truth.network)
-        _jets(y, kept, truth, supply, exhaust)
+        _jets(y, kept, truth, exhaust)
         share = shares[index - 1] if index > 0 else 0.0
         # Samples and controllers need the flows and the acceleration of this moment.
         servo_rates(time, share, y, kept, truth, work[0], flows)

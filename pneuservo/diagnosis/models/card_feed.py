@@ -11,8 +11,8 @@ from analog_card.behaviour_limiter import inputs as limiter_inputs
 from analog_card.design_file import load_design
 from analog_card.errors import InputError as CardInputError
 from analog_card.figures import CardFigures, card_figures
-from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.errors import InputError
+from pneuservo.noise import noise_floor
 from pneuservo.recordings import Recording
 
 Array = NDArray[np.float64]

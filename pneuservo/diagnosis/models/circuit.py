@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
-from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.effects.circuit import damping_beyond_linear, stiffness_beyond_linear
 from pneuservo.errors import InputError
+from pneuservo.noise import noise_floor
 from pneuservo.plant.compilation import compiled
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.plausible import require_absolute
-from pneuservo.diagnosis.noise import noise_floor
 from pneuservo.effects.leakage import LEAKS
+from pneuservo.noise import noise_floor
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
 from pneuservo.plant.from_rig import dead_volume, valve_grid
 from pneuservo.recordings import Recording

@@ -6,10 +6,9 @@ import numpy as np
 
 from pneuservo.plant.chamber import pressure_rate
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.dead_volume import PORT_A
+from pneuservo.plant.dead_volume import flow_through_port
 from pneuservo.plant.equal_steps import steps_between
 from pneuservo.plant.leak_laws import laminar_leak, orifice_leak, power_leak
-from pneuservo.plant.valve import chamber_a_mass_flow, chamber_b_mass_flow
 
 
 class Leak(NamedTuple):
@@ -41,15 +40,7 @@ def _rates(pressure, temperature, opening, port, plant, grid, leak, time_constan
     out += power_leak(pressure, ambient, leak.coefficient, leak.exponent)
     through = 0.0
     if opening != 0.0:
-        supply = plant.supply_pressure
-        if port == PORT_A:
-            through = chamber_a_mass_flow(
-                opening, pressure, supply, ambient, plant.valve, gas, grid
-            )
-        else:
-            through = chamber_b_mass_flow(
-                opening, pressure, supply, ambient, plant.valve, gas, grid
-            )
+        through = flow_through_port(opening, pressure, port, plant, grid)
     if time_constant <= 0.0:
         net = through - out
         return pressure_rate(net, pressure, plant.volume, 0.0, plant.polytropic_index, gas), 0.0

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.noise import resolution
 from pneuservo.effects import Effect, effects_of
 from pneuservo.errors import InputError
+from pneuservo.noise import resolution
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 

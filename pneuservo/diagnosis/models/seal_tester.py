@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.plausible import require_absolute
-from pneuservo.diagnosis.noise import noise_floor
+from pneuservo.noise import noise_floor
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.presliding import presliding_state
 from pneuservo.recordings import Recording

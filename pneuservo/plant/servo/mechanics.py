@@ -102,12 +102,12 @@ def bristle_force(state, memory, forward, backward, servo):
 
 
 @compiled
-def smooth_force(state, memory, drive, elapsed, servo):
+def smooth_force(state, drive, elapsed, servo):
     """Return every force on the piston but friction that can hold it, positive extends [N].
 
     Parameters
     ----------
-    state, memory, drive, elapsed, servo
+    state, drive, elapsed, servo
         As in `pneuservo.plant.servo.chain.derivative`.
     """
     plant, effects = servo.plant, servo.effects
@@ -168,7 +168,7 @@ def force_and_piston(state, modes, memory, drive, elapsed, servo):
     """
     piston = servo.plant.piston
     forward, backward = sliding_levels(state, modes, memory, drive, elapsed, servo)
-    force = smooth_force(state, memory, drive, elapsed, servo)
+    force = smooth_force(state, drive, elapsed, servo)
     if has_presliding(servo.effects.friction):
         force -= bristle_force(state, memory, forward, backward, servo)
         forward, backward = 0.0, 0.0

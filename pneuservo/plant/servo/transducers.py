@@ -113,8 +113,7 @@ def read_pressures(
         if sensor.pressure_lag > 0.0:
             reading = first_order_lag(time, reading, sensor.pressure_lag)
         if sensor.hum != 0.0:
-            angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
-            reading = reading + sensor.hum * np.sin(angle)
+            reading = reading + _hum(time, sensor)
         readings.append(reading + offset)
     return readings[0], readings[1]
 
@@ -205,14 +204,19 @@ def true_pressures(
     ):
         pressure = reading - offset
         if sensor.hum != 0.0:
-            angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
-            pressure = pressure - sensor.hum * np.sin(angle)
+            pressure = pressure - _hum(time, sensor)
         if sensor.pressure_lag > 0.0:
             pressure = pressure + sensor.pressure_lag * np.gradient(pressure, time)
         if sensor.pressure_skew != 0.0:
             pressure = np.interp(time - sensor.pressure_skew, time, pressure)
         found.append(pressure / (1.0 + gain))
     return found[0], found[1]
+
+
+def _hum(time: Samples, sensor: SensorEffects) -> Samples:
+    """Return what the mains add to the pressures [Pa]."""
+    angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
+    return sensor.hum * np.sin(angle)
 
 
 def _offsets(voltage: Samples, sensor: SensorEffects) -> tuple[Samples, Samples]:

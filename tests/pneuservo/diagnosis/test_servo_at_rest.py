@@ -13,7 +13,7 @@ from pneuservo.diagnosis.models.servo.feed import AT_REST
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.stops import judged_at_rest, moments_of_rest
-from pneuservo.diagnosis.noise import wander
+from pneuservo.noise import wander
 from pneuservo.recordings import Recording
 from pneuservo.report.diagnosis_figures import diagnosis_figures
 from pneuservo.rigs import load_rig

@@ -9,7 +9,7 @@ from servo_recordings import recorded
 from pneuservo.controllers import Proportional, SlidingMode
 from pneuservo.diagnosis.models.servo.motion import smooth_motion
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.noise import effective_samples
+from pneuservo.noise import effective_samples
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 

@@ -12,8 +12,8 @@ from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models.servo.servo import ServoModel
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
-from pneuservo.diagnosis.noise import wander
 from pneuservo.diagnosis.pretence import Pretence, _no_worse
+from pneuservo.noise import wander
 from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
 

@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models.servo.feed import FOLLOWED
 from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import ASTRAY, run_observer
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER, wander
+from pneuservo.noise import LIKELY_WANDER, WANDER, wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate

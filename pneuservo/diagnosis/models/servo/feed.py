@@ -13,7 +13,7 @@ from pneuservo.diagnosis.models.servo.noisy_command import bends_of
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST, moments_of_rest
-from pneuservo.diagnosis.noise import LIKELY_WANDER
+from pneuservo.noise import LIKELY_WANDER
 
 Array = NDArray[np.float64]
 

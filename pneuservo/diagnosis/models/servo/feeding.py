@@ -12,7 +12,7 @@ from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
 from pneuservo.diagnosis.models.servo.moved import moved_by, with_spread
 from pneuservo.diagnosis.models.servo.noisy_command import made_of_noise
 from pneuservo.diagnosis.models.servo.set_point import at_its_limit, at_once, gain_of_set_point
-from pneuservo.diagnosis.noise import noise_level
+from pneuservo.noise import noise_level
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 

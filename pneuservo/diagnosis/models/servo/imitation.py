@@ -20,8 +20,8 @@ from pneuservo.diagnosis.models.servo.run_observer import (
     ZERO_FORCE,
     supply_to_be_read,
 )
-from pneuservo.diagnosis.noise import wander
 from pneuservo.errors import InputError
+from pneuservo.noise import wander
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate

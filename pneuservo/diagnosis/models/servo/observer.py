@@ -28,7 +28,7 @@ from pneuservo.diagnosis.models.servo.covariance import (
 )
 from pneuservo.diagnosis.models.servo.push import balance_at_rest, dry_friction, push
 from pneuservo.diagnosis.models.servo.turning import friction_direction
-from pneuservo.diagnosis.noise import WANDER_TIME
+from pneuservo.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.piston import driving_force
 from pneuservo.plant.presliding import presliding_step

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
+from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.compilation import compiled, compiled_lean
 from pneuservo.plant.copying import put, put_table
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.servo.command import followed_by_spool
-from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
+from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.plant.valve import Valve
 from pneuservo.rigs import Rig

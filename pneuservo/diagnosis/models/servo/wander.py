@@ -3,7 +3,7 @@
 import numpy as np
 
 from pneuservo.diagnosis.models.model import Array
-from pneuservo.diagnosis.noise import LIKELY_WANDER, WANDER_TIME
+from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.compilation import compiled
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pneuservo.diagnosis.noise import effective_samples, noise_floor, noise_level, surrogate
+from pneuservo.noise import effective_samples, noise_floor, noise_level, surrogate
 
 
 def autoregressive(coefficient, samples, seed):
