@@ -12,7 +12,7 @@ from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypotheses import Hypotheses
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.judge import DECISIVE, ByEvidence, Judge
+from pneuservo.diagnosis.judge import DECISIVE, ByCriterion, Judge
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.models.model import Array
@@ -213,7 +213,7 @@ class Accepted(Hypotheses):
                 lambda closer: self._elsewhere(current, closer),
             )
         found = (self.beyond_noise(self.baseline), self.beyond_noise(current))
-        return ByEvidence(current, self.candidates, *found)
+        return ByCriterion(current, self.candidates, *found)
 
     def _bendable(self, current: Fit) -> Fit:
         """Return a fit that would absorb what its effects change, bent; worked out once."""

@@ -5,7 +5,7 @@ from pneuservo.diagnosis.fitting import refitted
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.search import Search
-from pneuservo.diagnosis.ways import Cases, values_in
+from pneuservo.diagnosis.ways import Cases, values_in_ways
 
 
 def as_found(search: Search) -> Search:
@@ -66,8 +66,8 @@ def _trusted(search: Search) -> Search:
     if frozenset(other.accepted) <= frozenset(search.accepted):
         return search
     as_it_was = refitted(model, search.cases, other.chosen)
-    before = min(unlikeliness_of(search, found) for found in (search.chosen, as_it_was))
-    return other if unlikeliness_of(other, other.chosen) < before else search
+    before = min(deviance_of(search, found) for found in (search.chosen, as_it_was))
+    return other if deviance_of(other, other.chosen) < before else search
 
 
 def _elsewhere(search: Search, cases: Cases, named: Fit) -> Search:
@@ -88,7 +88,7 @@ def _gone_on(search: Search, other: Search) -> Search:
     return other if other.accepted else search
 
 
-def unlikeliness_of(search: Search, found: Fit) -> float:
+def deviance_of(search: Search, found: Fit) -> float:
     """Return how unlikely a fit makes all recordings of a search.
 
     Parameters
@@ -98,4 +98,4 @@ def unlikeliness_of(search: Search, found: Fit) -> float:
     found : Fit
         To them.
     """
-    return search.model.unlikeliness(search.cases, values_in([search.cases], [found])[0])
+    return search.model.deviance(search.cases, values_in_ways([search.cases], [found])[0])

@@ -145,19 +145,19 @@ class ByGain(Judge):
         return sizes if sizes >= TABLE_LIKE else 1
 
     def first_choice(
-        self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
+        self, criteria: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
         """Return the simplest of those that explain as much as the best, or nearly enough."""
         # A flexible candidate that explains little must not shield one that earns its place.
-        among = list(earning) or list(evidence)
-        best = min(among, key=evidence.__getitem__)
+        among = list(earning) or list(criteria)
+        best = min(among, key=criteria.__getitem__)
         explains = {name: explained(self.current, tried[name], tried[best]) for name in among}
         # Of two laws of the same physics the plainer stands until the other is decisively better.
         forms = same_physics(self.effects, best)
         undecided = [
             name
             for name in among
-            if evidence[name] < evidence[best] + (DECISIVE if name in forms else UNDECIDED)
+            if criteria[name] < criteria[best] + (DECISIVE if name in forms else UNDECIDED)
         ]
         # A wrong parameter has no form that could differ.
         alike = [
@@ -169,9 +169,9 @@ class ByGain(Judge):
         fewest = min(tried[name].unknowns for name in rivals)
         simplest = [n for n in tried if n in rivals and tried[n].unknowns == fewest]
         margin = max(TIED, AS_PRECISE * explains[best])
-        limit = min(evidence[name] for name in simplest) + margin
+        limit = min(criteria[name] for name in simplest) + margin
         # In the catalogue's order, in which the plainest form of the same physics is first.
-        first = next(name for name in simplest if evidence[name] < limit)
+        first = next(name for name in simplest if criteria[name] < limit)
         same = same_physics(self.effects, first)
         return next(name for name in simplest if name in same)
 

@@ -198,13 +198,21 @@ def _missing(diagnosis: Diagnosis, member: str) -> dict[str, Any]:
     rivals = search.rivals(member)
     own = next(rival for rival in rivals if rival.candidate == member)
     others = [rival for rival in rivals if rival.candidate not in (member, "")]
-    close = [r.candidate for r in others if r.evidence < own.evidence + UNDECIDED]
+    close = [
+        r.candidate
+        for r in others
+        if r.information_criterion < own.information_criterion + UNDECIDED
+    ]
     alike = [name for name in close if name in CATALOGUE]
     alike += [name for name in search.alike(member) if name not in alike]
     probability = {rival.candidate: rival.probability for rival in rivals}
-    # Where laws differ in form alone evidence between them says nothing; elsewhere the simpler one
+    # Where laws differ in form alone criteria of theirs say nothing; elsewhere the simpler one
     # of those that are tied is named. Either way they share what they have.
-    tied = [rival.candidate for rival in others if -TIED < rival.evidence - own.evidence < 0.0]
+    tied = [
+        rival.candidate
+        for rival in others
+        if -TIED < rival.information_criterion - own.information_criterion < 0.0
+    ]
     together = [member, *(alike if search.model.steady else tied)]
     shared = min(sum(probability[name] for name in together), SUREST) / len(together)
     probability |= dict.fromkeys(together, shared)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from pneuservo.diagnosis.as_found import followed_anew, unlikeliness_of
+from pneuservo.diagnosis.as_found import deviance_of, followed_anew
 from pneuservo.diagnosis.fit import Fit, explained, gained_most
 from pneuservo.diagnosis.fitting import beyond_ridges
 from pneuservo.diagnosis.followed import likeliest_followed
@@ -197,7 +197,8 @@ def _begun_anew(search: Search) -> Search:
     """Return a search begun again in recordings followed with the first name, or to be sure of it.
 
     Another name than the first must not make them far unlikelier than that does there: what is
-    missed slowly has few samples to be judged by, and evidence alone may prefer what misses more.
+    missed slowly has few samples to be judged by, and the criterion alone may prefer what misses
+    more.
     """
     begun = followed_anew(search)
     if begun is search and not search.guessed:
@@ -216,4 +217,4 @@ def _begun_anew(search: Search) -> Search:
 def _is_far_unlikelier(search: Search, found: Fit, other: Fit) -> bool:
     """Return whether a fit misses more than another one does, and not for how forms of laws are."""
     form = AS_GOOD * explained(search.baseline, other, other.in_noise)
-    return unlikeliness_of(search, found) > unlikeliness_of(search, other) + TIED + form
+    return deviance_of(search, found) > deviance_of(search, other) + TIED + form

@@ -296,7 +296,7 @@ class Fit:
         """Return the root mean square of what one channel leaves [unit of its cases]."""
         return max(self._spread_of(channel), self.finest[channel])
 
-    def evidence(self, effective: Mapping[str, float]) -> float:
+    def information_criterion(self, effective: Mapping[str, float]) -> float:
         """Return the Bayesian information criterion: lower is better, 10 is decisive.
 
         Parameters

@@ -9,11 +9,11 @@ from pneuservo.diagnosis.models.model import are_the_same
 from pneuservo.diagnosis.ways import (
     Cases,
     baselines_of,
+    deviance_in,
     likeliest_of_each,
     likeliest_of_ways,
-    unlikeliness_in,
     values_elsewhere,
-    values_in,
+    values_in_ways,
 )
 
 
@@ -46,7 +46,7 @@ def likeliest_followed(
         return list(cases), baseline
     progress("fitting the baseline to each way in which the recordings may be followed")
     fits = baselines_of(model, ways, baseline)
-    values = values_in(ways, fits)
+    values = values_in_ways(ways, fits)
     chosen = likeliest_of_ways(model, ways, values)
     for way, found in zip(ways, fits, strict=True):
         if are_the_same(way, chosen):
@@ -73,7 +73,7 @@ def likeliest_held_back(model: Model, held_back: Cases, found: Fit, first: Case)
     ways = model.readings(chosen) if chosen else []
     if len(ways) > 1:
         values = values_elsewhere(ways, first, found)
-        chosen = likeliest_of_each(ways, unlikeliness_in(model, ways, values))
+        chosen = likeliest_of_each(ways, deviance_in(model, ways, values))
     ways = model.followed(chosen)
     if len(ways) > 1:
         values = values_elsewhere(ways, first, found)

@@ -108,13 +108,13 @@ class Judge(Protocol):
         return True
 
     def first_choice(
-        self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
+        self, criteria: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
         """Return the candidate to be named.
 
         Parameters
         ----------
-        evidence : mapping of str to float
+        criteria : mapping of str to float
             Information criterion of each candidate.
         tried : mapping of str to Fit
             With each candidate.
@@ -159,7 +159,7 @@ def channel_gain(current: Fit, closer: Fit, channel: str) -> float:
 
 
 @dataclass(frozen=True)
-class ByEvidence(Judge):
+class ByCriterion(Judge):
     """For models whose noise can be told from a misfit: the information criterion decides.
 
     Parameters
@@ -187,11 +187,11 @@ class ByEvidence(Judge):
         return enough or gain(self.current, closer) > LARGE_SHARE_OF_REST * self.rest
 
     def first_choice(
-        self, evidence: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
+        self, criteria: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
         """Return the first in the catalogue's order of those that are tied."""
-        limit = min(evidence.values()) + TIED
-        return next(name for name in self.order if name in evidence and evidence[name] < limit)
+        limit = min(criteria.values()) + TIED
+        return next(name for name in self.order if name in criteria and criteria[name] < limit)
 
     def share(self, closer: Fit) -> float:
         """Return the share of what the baseline leaves beyond noise."""
@@ -228,10 +228,10 @@ def weighed(
     effective : mapping of str to float
         What the samples of each channel are worth.
     """
-    evidence = {name: found.evidence(effective) for name, found in tried.items()}
-    before = current.evidence(effective)
-    drop = {name: before - value for name, value in evidence.items()}
-    return evidence, drop, [name for name in tried if judge.earns(name, tried[name], drop[name])]
+    criteria = {name: found.information_criterion(effective) for name, found in tried.items()}
+    before = current.information_criterion(effective)
+    drop = {name: before - value for name, value in criteria.items()}
+    return criteria, drop, [name for name in tried if judge.earns(name, tried[name], drop[name])]
 
 
 def is_impossible(name: str, found: Fit) -> bool:

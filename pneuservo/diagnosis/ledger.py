@@ -11,15 +11,15 @@ class Rival:
 
     candidate: str
     probability: float
-    evidence: float
+    information_criterion: float
 
 
-def probabilities(evidence: Mapping[str, float], unit: float) -> dict[str, float]:
+def probabilities(criteria: Mapping[str, float], unit: float) -> dict[str, float]:
     """Return how probable each of some hypotheses is, by its weight among them.
 
     Parameters
     ----------
-    evidence : mapping of str to float
+    criteria : mapping of str to float
         Information criterion of each.
     unit : float
         By how much criteria differ that are as good as each other; 1 where a law, if it is the
@@ -37,8 +37,8 @@ def probabilities(evidence: Mapping[str, float], unit: float) -> dict[str, float
     >>> probabilities({"leak": 100.0, "lag": 102.0}, 10.0)["leak"]  # doctest: +ELLIPSIS
     0.524...
     """
-    lowest = min(evidence.values())
-    weight = {name: math.exp(-0.5 * (e - lowest) / unit) for name, e in evidence.items()}
+    lowest = min(criteria.values())
+    weight = {name: math.exp(-0.5 * (e - lowest) / unit) for name, e in criteria.items()}
     total = sum(weight.values())
     return {name: share / total for name, share in weight.items()}
 
@@ -57,7 +57,7 @@ class Step:
         Whether it earned its place.
     replaced : str, optional
         The member that had to go.
-    evidence_drop : float, optional
+    criterion_drop : float, optional
         By how much the information criterion fell.
     share : float, optional
         Share of what the baseline leaves unexplained.
@@ -71,7 +71,7 @@ class Step:
     candidate: str
     accepted: bool
     replaced: str = ""
-    evidence_drop: float = 0.0
+    criterion_drop: float = 0.0
     share: float = 0.0
     rms: Mapping[str, float] = field(default_factory=dict)
     why: str = ""

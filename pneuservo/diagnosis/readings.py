@@ -16,10 +16,10 @@ from pneuservo.diagnosis.ways import (
     at_their_best,
     baselines_of,
     best_excused,
+    deviance_as_followed,
     likeliest_of_each,
     of_recording,
-    unlikeliness_as_followed,
-    values_in,
+    values_in_ways,
 )
 
 _NOT_HOPELESS = 1.25
@@ -38,14 +38,14 @@ class Reading:
         As they are then.
     baseline : Fit or None
         Fitted to them, where more than one way had to be tried.
-    unlikely : float
+    deviance : float
         Twice the negative log-likelihood of what is left and of the parameters that leave it, but
         for a constant; a misfit that every way leaves all over is forgiven.
     """
 
     cases: Cases
     baseline: Fit | None = None
-    unlikely: float = 0.0
+    deviance: float = 0.0
 
 
 def ranked_readings(
@@ -81,7 +81,7 @@ def ranked_readings(
     found = [
         reading for n, reading in enumerate(tried.as_readings()) if n < len(readings) or n == best
     ]
-    return least_strained_first(sorted(found, key=lambda reading: reading.unlikely))
+    return least_strained_first(sorted(found, key=lambda reading: reading.deviance))
 
 
 def least_strained_first(ranked: list[Reading]) -> list[Reading]:
@@ -94,7 +94,7 @@ def least_strained_first(ranked: list[Reading]) -> list[Reading]:
     """
     first = ranked[0]
     for other in ranked[1:]:
-        if other.unlikely - first.unlikely > LEAST_GAIN:
+        if other.deviance - first.deviance > LEAST_GAIN:
             break
         if _strain(other) < _strain(first) - DECISIVE:
             return [other, *(reading for reading in ranked if reading is not other)]
@@ -125,18 +125,18 @@ class _Tried:
 
     def __post_init__(self) -> None:
         """Work out how unlikely each recording is in each of the ways."""
-        self._values = values_in(self.ways, self.fits)
+        self._values = values_in_ways(self.ways, self.fits)
         self._excused = all_excused(self.model, self.ways, self._values)
         self._compare()
 
     def _compare(self) -> None:
-        self.unlikely = unlikeliness_as_followed(self.model, self._excused, self._values)
+        self.deviance = deviance_as_followed(self.model, self._excused, self._values)
 
     @property
     def totals(self) -> list[float]:
         """Return how unlikely all recordings are in each way, and what its fit has found."""
-        each = zip(self.unlikely, self.fits, strict=True)
-        return [sum(unlikely.values()) + found.penalty for unlikely, found in each]
+        each = zip(self.deviance, self.fits, strict=True)
+        return [sum(deviance.values()) + found.penalty for deviance, found in each]
 
     @property
     def likeliest(self) -> int:
@@ -149,7 +149,7 @@ class _Tried:
         if is_among(mixture, self.ways):
             return False
         found = refitted(self.model, mixture, self.fits[self.likeliest])
-        (values,) = values_in([mixture], [found])
+        (values,) = values_in_ways([mixture], [found])
         self.ways.append(mixture)
         self.fits.append(found)
         self._values.append(values)
@@ -173,18 +173,18 @@ def _with_mixtures(model: Model, readings: Sequence[Cases]) -> _Tried:
     """
     fits = baselines_of(model, readings, None)
     tried = _Tried(model, list(readings), list(fits))
-    if len(tried.unlikely[0]) == 1:
+    if len(tried.deviance[0]) == 1:
         return tried
     at_best = at_their_best(model, readings, fits)
-    tried.try_as_well(likeliest_of_each(tried.ways, tried.unlikely))
-    for recording in tried.unlikely[0]:
+    tried.try_as_well(likeliest_of_each(tried.ways, tried.deviance))
+    for recording in tried.deviance[0]:
         best = tried.likeliest
         turned = [_turned(tried.ways[best], reading, recording) for reading in readings]
         others = [way for way, mixture in enumerate(turned) if not is_among(mixture, tried.ways)]
         if not others:
             continue
         other = min(others, key=lambda way: at_best[way][recording])
-        if at_best[other][recording] < _NOT_HOPELESS * tried.unlikely[best][recording]:
+        if at_best[other][recording] < _NOT_HOPELESS * tried.deviance[best][recording]:
             tried.try_as_well(turned[other])
     if leaves_little(tried.fits[tried.likeliest]):
         tried.try_as_well(likeliest_of_each(readings, alone(model, readings, at_best)))
@@ -238,7 +238,7 @@ def likelier_with(
     """
     first = ranked[0]
     gain = gained_most(baseline, named)
-    others = [other for other in ranked[1:] if other.unlikely - first.unlikely < gain]
+    others = [other for other in ranked[1:] if other.deviance - first.deviance < gain]
     if not others:
         return None
     progress("fitting what was found to each way in which the recordings may be read")
@@ -255,7 +255,7 @@ def likelier_with(
     if tried.try_as_well(mixture):
         asked.append(Reading(mixture))
     by_name = tried.as_readings()
-    ranked_by_name = sorted(by_name, key=lambda reading: reading.unlikely)
+    ranked_by_name = sorted(by_name, key=lambda reading: reading.deviance)
     likeliest = least_strained_first(ranked_by_name)[0]
     best = next(reading for reading, own in zip(asked, by_name, strict=True) if own is likeliest)
     return None if best is first else best

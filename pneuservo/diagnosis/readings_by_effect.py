@@ -46,7 +46,7 @@ def likelier_if_late(
         other
         for other in ranked[1:]
         if other.baseline
-        and _misfit(other.baseline) > other.unlikely - first.unlikely
+        and _misfit(other.baseline) > other.deviance - first.deviance
         and all(model.stored(case) for case in _read_otherwise(other.cases, first.cases))
     ]
     if not others:
@@ -58,17 +58,17 @@ def likelier_if_late(
         other
         for other in others
         if MOST_OVER_PROMISE * max(promises[id(other)].values(), default=0.0)
-        > other.unlikely - first.unlikely + LEAST_GAIN
+        > other.deviance - first.deviance + LEAST_GAIN
     ]
     if not near:
         return None
     promises[id(first)] = _promised(model, first, late)
     tried = (first, *near)
-    unlikely = [
-        reading.unlikely - _explained(model, reading, promises[id(reading)]) for reading in tried
+    deviance = [
+        reading.deviance - _explained(model, reading, promises[id(reading)]) for reading in tried
     ]
-    best = min(range(len(tried)), key=unlikely.__getitem__)
-    return tried[best] if unlikely[best] < unlikely[0] - LEAST_GAIN else None
+    best = min(range(len(tried)), key=deviance.__getitem__)
+    return tried[best] if deviance[best] < deviance[0] - LEAST_GAIN else None
 
 
 def likelier_with_another(
@@ -97,11 +97,11 @@ def likelier_with_another(
     was least unlikely where one of them ran on, and friction that lags was found there, which left
     1.2 times the noise; where both are held its own name explains fifteen times as much.)
     """
-    reached = ranked[0].unlikely - gained_most(baseline, found)
+    reached = ranked[0].deviance - gained_most(baseline, found)
     others = [
         other
         for other in ranked[1:]
-        if other.baseline and other.unlikely - _misfit(other.baseline) < reached - LEAST_GAIN
+        if other.baseline and other.deviance - _misfit(other.baseline) < reached - LEAST_GAIN
     ]
     if not others:
         return None
@@ -109,10 +109,10 @@ def likelier_with_another(
     likeliest, best = reached - LEAST_GAIN, None
     for other in others[:_WORTH_ASKING]:
         promises = _promised(model, other, model.effects)
-        if other.unlikely - max(promises.values(), default=0.0) < likeliest:
-            unlikely = other.unlikely - _explained(model, other, promises)
-            if unlikely < likeliest:
-                likeliest, best = unlikely, other
+        if other.deviance - max(promises.values(), default=0.0) < likeliest:
+            deviance = other.deviance - _explained(model, other, promises)
+            if deviance < likeliest:
+                likeliest, best = deviance, other
     return best
 
 

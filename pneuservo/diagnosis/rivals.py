@@ -50,11 +50,11 @@ class Rivals(Accepted):
         others = {n: f for n, f in others.items() if n == member or not is_impossible(n, f)}
         others[""] = rest
         effective = min(others.values(), key=lambda f: f.rms).effective
-        evidence = {name: f.evidence(effective) for name, f in others.items()}
+        criteria = {name: f.information_criterion(effective) for name, f in others.items()}
         most = max(explained(rest, f) for f in others.values()) if self.model.steady else 0.0
-        probability = probabilities(evidence, 1.0 + AS_GOOD * max(most, 0.0))
-        found = [Rival(name, min(probability[name], SUREST), evidence[name]) for name in others]
-        return sorted(found, key=lambda rival: rival.evidence)
+        probability = probabilities(criteria, 1.0 + AS_GOOD * max(most, 0.0))
+        found = [Rival(name, min(probability[name], SUREST), criteria[name]) for name in others]
+        return sorted(found, key=lambda rival: rival.information_criterion)
 
     def alike(self, member: str) -> list[str]:
         """Return the effects that, in place of a member, explain nearly as much of the mismatch.
@@ -189,8 +189,8 @@ class Rivals(Accepted):
         # A form that acts nowhere else than the other names is no rival.
         tried = {name: others[name] for name in forms if name in others}
         judge = self._judge(rest)
-        evidence, _, earning = weighed(judge, rest, tried, self.chosen.effective)
-        return judge.first_choice(evidence, tried, earning) if earning else member
+        criteria, _, earning = weighed(judge, rest, tried, self.chosen.effective)
+        return judge.first_choice(criteria, tried, earning) if earning else member
 
     def _drop_needless_last(self) -> None:
         """Drop what was accepted last where the others do as well, begun from where it led them."""
@@ -198,7 +198,9 @@ class Rivals(Accepted):
             return
         last, closer = self.accepted[-1], self.chosen
         rest = self._rest(last)
-        drop = rest.evidence(closer.effective) - closer.evidence(closer.effective)
+        drop = rest.information_criterion(closer.effective) - closer.information_criterion(
+            closer.effective
+        )
         if not self._judge(rest).earns(last, closer, drop):
             self._drop(last, "the others explain as much without it")
 
@@ -207,8 +209,8 @@ class Rivals(Accepted):
         found = self.rivals(member)
         own = next(rival for rival in found if rival.candidate == member)
         absent = next(rival for rival in found if not rival.candidate)
-        limit = own.evidence - self._margin(member)
-        better = [rival for rival in found if rival.evidence < limit]
+        limit = own.information_criterion - self._margin(member)
+        better = [rival for rival in found if rival.information_criterion < limit]
         return next((r for r in better if self._may_replace(member, r, absent)), None)
 
     def _fits_closer_from(self, rest: Fit) -> bool:
@@ -235,6 +237,6 @@ class Rivals(Accepted):
         if not self.model.steady or not rival.candidate:
             return True
         rest = self._rest(member)
-        drop = absent.evidence - rival.evidence
+        drop = absent.information_criterion - rival.information_criterion
         closer = self.fitted(rest.hypothesis.adding(rival.candidate), rest)
         return self._judge(rest).earns(rival.candidate, closer, drop)

@@ -203,8 +203,10 @@ class Search(Rivals):
                 break
             free = self.ended(current.hypothesis.adding(name))
             self.accepted.append(name)
-            drop = current.evidence(free.effective) - free.evidence(free.effective)
-            step = Step(current.hypothesis.members, name, True, evidence_drop=drop, share=0.0)
+            drop = current.information_criterion(free.effective) - free.information_criterion(
+                free.effective
+            )
+            step = Step(current.hypothesis.members, name, True, criterion_drop=drop, share=0.0)
             self.ledger.append(step)
         several = self.chosen
         if (
@@ -232,8 +234,10 @@ class Search(Rivals):
         members, rest = tuple(self.accepted), self.chosen
         self.accepted.append(effect)
         found = self.chosen
-        drop = rest.evidence(found.effective) - found.evidence(found.effective)
-        self.ledger.append(Step(members, effect, True, evidence_drop=drop, share=share))
+        drop = rest.information_criterion(found.effective) - found.information_criterion(
+            found.effective
+        )
+        self.ledger.append(Step(members, effect, True, criterion_drop=drop, share=share))
 
     def _may_be_wrong(self, name: str) -> bool:
         """Return whether setting a parameter free leaves it possible, and noise."""
@@ -349,11 +353,13 @@ class Search(Rivals):
             return None
         name = min(tried, key=lambda candidate: tried[candidate].rms)
         effective = tried[name].effective
-        drop = self.baseline.evidence(effective) - tried[name].evidence(effective)
+        drop = self.baseline.information_criterion(effective) - tried[name].information_criterion(
+            effective
+        )
         share = 1.0 - self.unexplained_share(tried[name])
         earned = drop > 2.0 * DECISIVE and share > LARGE_SHARE_OF_REST
         rms = {f"{alone} + {n}": found.rms for n, found in tried.items()}
-        self.ledger.append(Step((alone,), name, earned, evidence_drop=drop, share=share, rms=rms))
+        self.ledger.append(Step((alone,), name, earned, criterion_drop=drop, share=share, rms=rms))
         return (alone, name) if earned else None
 
     def _promised_elsewhere(self, current: Fit) -> dict[str, float]:
@@ -391,14 +397,14 @@ class Search(Rivals):
             return None
         tried = self._best_ended(current, tried, judge)
         effective = min(tried.values(), key=lambda f: f.rms).effective
-        evidence, drop, earning = weighed(judge, current, tried, effective)
-        name = judge.first_choice(evidence, tried, earning)
+        criteria, drop, earning = weighed(judge, current, tried, effective)
+        name = judge.first_choice(criteria, tried, earning)
         self.ledger.append(
             Step(
                 current.hypothesis.members,
                 name,
                 name in earning,
-                evidence_drop=drop[name],
+                criterion_drop=drop[name],
                 share=judge.share(tried[name]),
                 rms={n: f.rms for n, f in tried.items()},
             )

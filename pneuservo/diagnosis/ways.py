@@ -18,7 +18,7 @@ _HOPELESS_ALONE = 2.0
 """A recording that is so many times as unlikely in another way is not fitted alone in that."""
 
 
-def unlikeliness_in(
+def deviance_in(
     model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
 ) -> list[dict[int, float]]:
     """Return how unlikely each recording is in each of some ways, followed as suits it in each.
@@ -30,17 +30,17 @@ def unlikeliness_in(
     ways : sequence of sequences of Case
         The same recordings, each time in another way.
     values : sequence of sequences of mapping
-        What is known of each case of each way, see `values_in`.
+        What is known of each case of each way, see `values_in_ways`.
 
     Returns
     -------
     list of dict of int to float
         Of each way, by identity of the recording: twice the negative log-likelihood.
     """
-    return unlikeliness_as_followed(model, all_excused(model, ways, values), values)
+    return deviance_as_followed(model, all_excused(model, ways, values), values)
 
 
-def unlikeliness_as_followed(
+def deviance_as_followed(
     model: Model, ways: Sequence[Cases], values: Sequence[Sequence[Values]]
 ) -> list[dict[int, float]]:
     """Return how unlikely each recording is in each of some ways, followed as it is.
@@ -48,12 +48,12 @@ def unlikeliness_as_followed(
     Parameters
     ----------
     model, ways, values
-        As for `unlikeliness_in`; the ways from `best_excused`.
+        As for `deviance_in`; the ways from `best_excused`.
 
     Returns
     -------
     list of dict of int to float
-        As of `unlikeliness_in`.
+        As of `deviance_in`.
 
     Notes
     -----
@@ -101,7 +101,7 @@ def by_recording(
     found = {}
     for recording in dict.fromkeys(id(case.origin) for case in cases):
         mine = [i for i, case in enumerate(cases) if id(case.origin) == recording]
-        found[recording] = model.unlikeliness(
+        found[recording] = model.deviance(
             [cases[i] for i in mine], [values[i] for i in mine], levels
         )
     return found
@@ -131,7 +131,7 @@ def all_excused(
     Parameters
     ----------
     model, ways, values
-        As for `unlikeliness_in`.
+        As for `deviance_in`.
     """
     each = list(zip(ways, values, strict=True))
     return side_by_side(lambda one: best_excused(model, *one), each)
@@ -153,7 +153,7 @@ def baselines_of(model: Model, ways: Sequence[Cases], first: Fit | None) -> list
     return [begun, *side_by_side(lambda way: refitted(model, way, begun), ways[1:])]
 
 
-def values_in(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:
+def values_in_ways(ways: Sequence[Cases], fits: Sequence[Fit]) -> list[list[dict[str, float]]]:
     """Return what a fit to each of some ways says of its cases."""
     return [
         values_in_each(way, way[0], found.shared, found.own)
@@ -189,7 +189,7 @@ def at_their_best(
     Parameters
     ----------
     model, ways
-        As for `unlikeliness_in`.
+        As for `deviance_in`.
     fits : sequence of Fit
         Of the same ways; the nominal parameters are tried beside theirs.
 
@@ -199,7 +199,7 @@ def at_their_best(
     they are read.
     """
     found: list[dict[int, float]] = []
-    for way, own in zip(ways, values_in(ways, fits), strict=True):
+    for way, own in zip(ways, values_in_ways(ways, fits), strict=True):
         first = way[0]
         nothing: list[Values] = [{}] * len(way)
         tried = [
@@ -220,7 +220,7 @@ def alone(
     Parameters
     ----------
     model, ways
-        As for `unlikeliness_in`.
+        As for `deviance_in`.
     at_best : sequence of mapping
         From `at_their_best`; ways that are hopeless there are infinitely unlikely.
 
@@ -245,13 +245,13 @@ def alone(
         way, each = asked
         cases = mine[way][each]
         found = fit(model, cases, Hypothesis())
-        known = values_in([cases], [found])[0]
+        known = values_in_ways([cases], [found])[0]
         excused = best_excused(model, cases, known)
         return by_recording(model, excused, known)[each] + found.penalty
 
     found = [dict.fromkeys(recordings, math.inf) for _ in ways]
-    for (way, each), unlikely in zip(asked, side_by_side(by_its_own, asked), strict=True):
-        found[way][each] = unlikely
+    for (way, each), deviance in zip(asked, side_by_side(by_its_own, asked), strict=True):
+        found[way][each] = deviance
     return found
 
 
@@ -263,26 +263,28 @@ def likeliest_of_ways(
     Parameters
     ----------
     model, ways, values
-        As for `unlikeliness_in`.
+        As for `deviance_in`.
     """
     if len(ways) == 1:
         return list(ways[0])
-    unlikely = [by_recording(model, *each) for each in zip(ways, values, strict=True)]
-    return likeliest_of_each(ways, unlikely)
+    deviances = [by_recording(model, *each) for each in zip(ways, values, strict=True)]
+    return likeliest_of_each(ways, deviances)
 
 
-def likeliest_of_each(ways: Sequence[Cases], unlikely: Sequence[Mapping[int, float]]) -> list[Case]:
+def likeliest_of_each(
+    ways: Sequence[Cases], deviances: Sequence[Mapping[int, float]]
+) -> list[Case]:
     """Return every recording's cases in the way in which it is likeliest.
 
     Parameters
     ----------
     ways : sequence of sequences of Case
         The same recordings, each time in another way.
-    unlikely : sequence of mapping
-        From `unlikeliness_in`, or of each way from `by_recording`.
+    deviances : sequence of mapping
+        From `deviance_in`, or of each way from `by_recording`.
     """
     found = []
-    for recording in unlikely[0]:
-        way = min(range(len(ways)), key=lambda each: unlikely[each][recording])
+    for recording in deviances[0]:
+        way = min(range(len(ways)), key=lambda each: deviances[each][recording])
         found.extend(of_recording(ways[way], recording))
     return found

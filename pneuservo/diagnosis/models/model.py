@@ -320,7 +320,7 @@ class Model:
         """Return how large a misfit is all over, by recording and channel, in its noise squared."""
         raise NotImplementedError
 
-    def unlikeliness(
+    def deviance(
         self, cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
     ) -> float:
         """Return twice the negative log-likelihood of recordings, but for a constant.

@@ -111,9 +111,9 @@ def leaves(energy, unknowns):
 
 
 @pytest.mark.parametrize(
-    ("evidence", "left_over", "unknowns", "named"),
+    ("criteria", "left_over", "unknowns", "named"),
     [
-        # Three units of evidence do not decide: the simplest.
+        # Three units of a criterion do not decide: the simplest.
         ((0.0, 3.0), (0.0, 20.0), (3, 1), "second"),
         # A hundred do, and the other leaves more than forms of laws leave.
         ((0.0, 100.0), (0.0, 20.0), (3, 1), "first"),
@@ -124,11 +124,11 @@ def leaves(energy, unknowns):
         ((1.0, 0.0), (1.0, 0.0), (1, 1), "first"),
     ],
 )
-def test_the_simplest_of_those_that_explain_as_much_is_named(evidence, left_over, unknowns, named):
+def test_the_simplest_of_those_that_explain_as_much_is_named(criteria, left_over, unknowns, named):
     names = ("first", "second")
     judge = ByGain(leaves(1000.0, 0), leaves(1000.0, 0), (), lambda name, fit: 0.0, lambda fit: 0.0)
     tried = {n: leaves(e, u) for n, e, u in zip(names, left_over, unknowns, strict=True)}
-    found = judge.first_choice(dict(zip(names, evidence, strict=True)), tried, names)
+    found = judge.first_choice(dict(zip(names, criteria, strict=True)), tried, names)
     assert found == named
 
 
@@ -172,12 +172,12 @@ def test_forms_are_chosen_again_beside_all_that_is_named(monkeypatch, accepted, 
     monkeypatch.setattr(Search, "_better_than", lambda self, member: None)
     monkeypatch.setattr(Search, "_drop_needless_last", lambda self: None)
     found = Search(SimpleNamespace(steady=True, effects=effects), [], accepted=list(accepted))
-    tried = {name: SimpleNamespace(evidence=lambda worth: 0.0) for name in ids}
-    rest = SimpleNamespace(evidence=lambda worth: 100.0)
+    tried = {name: SimpleNamespace(information_criterion=lambda worth: 0.0) for name in ids}
+    rest = SimpleNamespace(information_criterion=lambda worth: 100.0)
     found._in_place_of = lambda member: (rest, tried)
     judge = SimpleNamespace(
         earns=lambda name, closer, drop: drop > 0.0,
-        first_choice=lambda evidence, tried, earning: next(iter(earning)),
+        first_choice=lambda criteria, tried, earning: next(iter(earning)),
     )
     found._judge = lambda current: judge
     found._revise()
@@ -559,7 +559,7 @@ def test_what_acts_elsewhere_has_a_place_beside_a_large_effect(
 
 def test_a_form_that_acts_nowhere_else_is_no_plainer_rival():
     fit = SimpleNamespace(effective={"displacement": SAMPLES})
-    judge = SimpleNamespace(first_choice=lambda evidence, tried, earning: next(iter(tried)))
+    judge = SimpleNamespace(first_choice=lambda criteria, tried, earning: next(iter(tried)))
     search = SimpleNamespace(
         accepted=["load.transverse-mode", "valve.overlap"],
         chosen=fit,

@@ -10,11 +10,11 @@ from pneuservo.diagnosis.search import Search
 
 
 @pytest.mark.parametrize(
-    ("unlikeliness", "kept"),
+    ("deviance", "kept"),
     [(-90.0, "other"), (0.0, "other"), (11.0, "other"), (13.0, "first")],
 )
 def test_another_first_name_stands_unless_it_makes_recordings_far_unlikelier(
-    monkeypatch, unlikeliness, kept
+    monkeypatch, deviance, kept
 ):
     fits = {
         name: SimpleNamespace(hypothesis=name, in_noise=name) for name in ("", "first", "other")
@@ -37,8 +37,8 @@ def test_another_first_name_stands_unless_it_makes_recordings_far_unlikelier(
     monkeypatch.setattr(first_name, "followed_anew", lambda search: begun)
     monkeypatch.setattr(
         first_name,
-        "unlikeliness_of",
-        lambda search, found: unlikeliness if found is fits["other"] else 0.0,
+        "deviance_of",
+        lambda search, found: deviance if found is fits["other"] else 0.0,
     )
     assert first_name._begun_anew(search).accepted == [kept]
 

@@ -179,7 +179,7 @@ def test_what_relieves_strained_parameters_is_named_where_what_was_held_back_say
     monkeypatch, strained, gains, held_back_says_so, named
 ):
     def alone(gain):
-        return SimpleNamespace(gain=gain, effective={}, evidence=lambda worth: -gain)
+        return SimpleNamespace(gain=gain, effective={}, information_criterion=lambda worth: -gain)
 
     found = Search(SimpleNamespace(steady=True), [], accepted=["sensor.position-gain"])
     found.fits = {

@@ -14,8 +14,8 @@ ALONE = ({"run": 100.0, "curve": 100.0, "held": 102.0}, {"run": 100.0, "held": 1
 class Ways:
     """Two recordings, and how unlikely a pair of ways to read them is."""
 
-    def __init__(self, unlikely):
-        self.unlikely = unlikely
+    def __init__(self, deviance):
+        self.deviance = deviance
         names = [sorted(alone) for alone in ALONE]
         origins = [SimpleNamespace(), SimpleNamespace()]
         self.cases = [
@@ -30,7 +30,7 @@ class Ways:
         return SimpleNamespace(ways=tuple(case.way for case in cases), penalty=0.0, residuals=[])
 
     def of_each(self, cases):
-        whole = self.unlikely[tuple(case.way for case in cases)]
+        whole = self.deviance[tuple(case.way for case in cases)]
         return {id(case.origin): whole / 2 for case in cases}
 
     def alone(self, ways):
@@ -44,10 +44,10 @@ def let_ways_know(monkeypatch):
     def patch(ways):
         as_it_is = {
             "baselines_of": lambda model, all_, near: [ways.fitted(cases) for cases in all_],
-            "values_in": lambda all_, fits: [None] * len(all_),
+            "values_in_ways": lambda all_, fits: [None] * len(all_),
             "all_excused": lambda model, all_, values: list(all_),
             "best_excused": lambda model, cases, values: cases,
-            "unlikeliness_as_followed": lambda model, all_, values: [*map(ways.of_each, all_)],
+            "deviance_as_followed": lambda model, all_, values: [*map(ways.of_each, all_)],
             "at_their_best": lambda model, all_, fits: ways.alone(all_),
             "refitted": lambda model, cases, near: ways.fitted(cases),
             "fit": lambda model, cases, *near, **elsewhere: ways.fitted(cases),
@@ -99,5 +99,5 @@ def test_with_a_name_each_recording_is_read_as_suits_it_best(let_ways_know):
     found = likelier_with(None, ranked, None, named, quiet)
     assert names(found.cases) == ("held", "run")
     # Where the first is the likeliest with it as well, it stays.
-    ways.unlikely[("held", "run")] = 500.0
+    ways.deviance[("held", "run")] = 500.0
     assert likelier_with(None, ranked, None, named, quiet) is None

@@ -272,7 +272,7 @@ def test_what_converters_take_is_no_delay_of_the_valve(rig):
 
 
 @pytest.mark.parametrize(
-    ("unlikely", "penalty", "first"),
+    ("deviance", "penalty", "first"),
     [
         pytest.param((100.0, 130.0), (20.0, 5.0), 1, id="hardly less likely, and nothing strained"),
         pytest.param((100.0, 130.0), (12.0, 5.0), 0, id="nothing to speak of is strained"),
@@ -281,11 +281,11 @@ def test_what_converters_take_is_no_delay_of_the_valve(rig):
     ],
 )
 def test_of_ways_that_are_hardly_told_apart_the_one_that_strains_nothing_is_taken(
-    unlikely, penalty, first
+    deviance, penalty, first
 ):
     ranked = [
         Reading([], SimpleNamespace(penalty=strain), size)
-        for strain, size in zip(penalty, unlikely, strict=True)
+        for strain, size in zip(penalty, deviance, strict=True)
     ]
     found = least_strained_first(ranked)
     assert found[0] is ranked[first]

@@ -19,7 +19,7 @@ from pneuservo.diagnosis.models.servo.trust import may_only_seem_to_rest, unsure
 from pneuservo.diagnosis.readings import ranked_readings
 from pneuservo.diagnosis.readings_by_effect import likelier_if_late, likelier_with_another
 from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES
-from pneuservo.diagnosis.ways import by_recording, unlikeliness_in
+from pneuservo.diagnosis.ways import by_recording, deviance_in
 from pneuservo.recordings import Recording
 from pneuservo.report.page import diagnosis_page
 from pneuservo.rigs import load_rig
@@ -73,7 +73,7 @@ def test_what_a_piston_at_rest_does_unseen_does_not_tell_how_a_command_is_read(r
     ways = model.readings(model.cases(replace(recording, noise_rms=quiet), given))[:2]
     nothing = [[{}] * len(way) for way in ways]
     surely = [by_recording(model, *each) for each in zip(ways, nothing, strict=True)]
-    excused = unlikeliness_in(model, ways, nothing)
+    excused = deviance_in(model, ways, nothing)
     running, held = (sum(way.values()) for way in surely)
     assert running < held
     running, held = (sum(way.values()) for way in excused)

@@ -95,7 +95,7 @@ def test_parameters_that_make_up_for_something_else_are_not_named(
                 frozenset(), frozenset(m.removeprefix("param.") for m in members)
             ),
             effective={},
-            evidence=lambda effective: 0.0,
+            information_criterion=lambda effective: 0.0,
         )
 
     found = Named(SimpleNamespace(steady=True), [])

@@ -52,7 +52,7 @@ def levels_of(cases: Sequence[Case], values: Sequence[Values]) -> Levels:
     }
 
 
-def unlikeliness_of(
+def deviance_of(
     cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
 ) -> float:
     """Return how unlikely the innovations of all recordings are, each counted once.

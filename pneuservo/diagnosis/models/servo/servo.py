@@ -26,7 +26,7 @@ from pneuservo.diagnosis.models.servo.feed import AT_REST, CHANNELS, PRESSURES, 
 from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.gaps import with_gaps_as_missing
 from pneuservo.diagnosis.models.servo.imitation import imitation_of
-from pneuservo.diagnosis.models.servo.likelihood import innovations, levels_of, unlikeliness_of
+from pneuservo.diagnosis.models.servo.likelihood import deviance_of, innovations, levels_of
 from pneuservo.diagnosis.models.servo.misfit import misfit_of
 from pneuservo.diagnosis.models.servo.nuisances import nuisances_of
 from pneuservo.diagnosis.models.servo.reading import FEWEST, in_each_way, read
@@ -198,14 +198,14 @@ class ServoModel(Model):
         """Return how large innovations are where the command is calm, in their noise squared."""
         return levels_of(cases, values)
 
-    def unlikeliness(
+    def deviance(
         self, cases: Sequence[Case], values: Sequence[Values], levels: Levels | None = None
     ) -> float:
         """Return how unlikely the innovations of all recordings are, each counted once.
 
         In their noise, or in the levels that are given.
         """
-        return unlikeliness_of(cases, values, levels)
+        return deviance_of(cases, values, levels)
 
     def fitted(self, case: Case) -> tuple[str, ...]:
         """Return every parameter that is known within a tolerance only."""
