@@ -19,16 +19,16 @@ from pneuservo.diagnosis.judge import (
     weighed,
 )
 from pneuservo.diagnosis.ledger import Rival, Step, probabilities
-from pneuservo.diagnosis.screen import scores, within_reach
-from pneuservo.diagnosis.strained import out_of_tolerance
+from pneuservo.diagnosis.screen import within_reach
+from pneuservo.diagnosis.strained import out_of_tolerance, relief_of
 from pneuservo.effects import CATALOGUE
 
 SUREST = 0.95
 """Largest probability that is claimed: the catalogue never holds everything. (Of 15 names stated
 with more in blind trials, 14 were of the right class.)"""
-CAUSES_ASKED = 8
-"""So many effects, those that promise most, are asked whether one makes parameters seem wrong: what
-merely relieves them promises less than what noise looks like. (A zero that was off was fourth.)"""
+CAUSES_ASKED = 4
+"""So many effects, those that would relieve them most, are asked whether one makes parameters seem
+wrong."""
 
 
 @dataclass
@@ -90,9 +90,10 @@ class Rivals(Accepted):
         if not self.model.steady:
             return None
         names = [n for n in self.compatible(base.hypothesis.members) if n in CATALOGUE]
-        promised = scores(base, self.pretence.signatures_beside(base), names, self._one_sided)
-        best = nlargest(CAUSES_ASKED, promised, key=promised.__getitem__)
-        found = self._ended_of(self._fitted_with(base, {n: promised[n] for n in best}), best)
+        signatures = self.pretence.signatures_beside(base)
+        relief = relief_of(base, out_of_tolerance(base), signatures, names, self._one_sided)
+        best = nlargest(CAUSES_ASKED, relief, key=relief.__getitem__)
+        found = self._ended_of(self._fitted_with(base, {n: relief[n] for n in best}), best)
         explains = {
             name: explained(several, closer)
             for name, closer in found.items()
