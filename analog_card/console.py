@@ -1,5 +1,6 @@
 """What both command lines share: errors without tracebacks, quantities as options, progress."""
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -156,7 +157,7 @@ def progress(total: int | None = None) -> Iterator[Any]:
         TimeElapsedColumn(),
         console=console,
         transient=True,
-        disable=not console.is_terminal,
+        disable=not sys.stderr.isatty(),
     ) as bar:
         task = bar.add_task("starting", total=total, completed=-1)
 

@@ -55,6 +55,24 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     return path
 
 
+def require_writable(folder: Path) -> None:
+    """Try whether a folder can be made and written to, and leave nothing behind.
+
+    Parameters
+    ----------
+    folder : Path
+        It and its parents need not exist.
+
+    Raises
+    ------
+    OSError
+        When it cannot.
+    """
+    existing = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+    with tempfile.TemporaryFile(dir=existing):
+        pass
+
+
 def write_files(folder: str | Path, contents: Mapping[str, str | bytes]) -> list[Path]:
     """Write several files into a folder, each whole; all of them are made before the first is.
 

@@ -39,8 +39,19 @@ class Kernel:
         self._called = _dispatcher(function, alone, called)
 
     def __call__(self, *arguments: Any) -> Any:
-        """Return what the function returns."""
-        return self._called(*arguments)
+        """Return what the function returns.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            When the user interrupts it; while arguments are unpacked it comes as another error.
+        """
+        try:
+            return self._called(*arguments)
+        except SystemError as problem:
+            if _is_interrupt(problem):
+                raise KeyboardInterrupt from problem
+            raise
 
     @property
     def _numba_type_(self) -> Any:
@@ -51,6 +62,15 @@ class Kernel:
         """Return the name under which another process finds it."""
         name: str = self.__qualname__  # type: ignore[attr-defined]
         return name
+
+
+def _is_interrupt(problem: BaseException | None) -> bool:
+    """Return whether an error is, or was caused by, an interrupt."""
+    while problem is not None:
+        if isinstance(problem, KeyboardInterrupt):
+            return True
+        problem = problem.__cause__ or problem.__context__
+    return False
 
 
 def _dispatcher(function: Callable[..., Any], options: dict[str, Any], folder: Path | None) -> Any:

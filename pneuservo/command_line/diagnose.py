@@ -1,14 +1,17 @@
 """``pneuservo diagnose``: where and why a simulation differs from recordings."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from analog_card.console import Count, progress
-from analog_card.files import write_files
+from analog_card.console import Count, progress, writing
+from analog_card.files import require_writable, write_files
 from pneuservo.command_line.recording_files import Window, read, require_unread
+from pneuservo.errors import InputError
+from pneuservo.recordings import Recording
 
 
 class _ManyValidated(click.Command):
@@ -110,9 +113,13 @@ def command(
         used = [read(path, rig, window) for path in recordings]
         held_back = [read(path, rig, validate_window) for path in validate]
         require_unread([out / name for name in NAMES], [*used, *held_back])
+        _require_apart(used, held_back)
+        with writing("--out", out):
+            require_writable(out)
         found = diagnose(used, held_back, rig, step, seed, without, jobs or processors())
         step("writing the report")
-        answer = write_answer(found, out)
+        with writing("--out", out):
+            answer = write_answer(found, out)
     if as_json:
         click.echo(json.dumps(answer, indent=2))
         return
@@ -125,6 +132,22 @@ def command(
     for sentence in (*not_judged_in_words(answer), *between_sessions_in_words(answer)):
         click.echo(sentence)
     click.echo(f"report: {out / 'report.html'}")
+
+
+def _require_apart(used: Sequence[Recording], held_back: Sequence[Recording]) -> None:
+    """Refuse samples that would count twice, or be held back and used as well."""
+    seen: dict[Path, list[Recording]] = {}
+    for recording in (*used, *held_back):
+        if recording.source is None:
+            continue
+        same = seen.setdefault(recording.source.resolve(), [])
+        for other in same:
+            if recording.time[0] <= other.time[-1] and other.time[0] <= recording.time[-1]:
+                raise InputError(
+                    f"{recording.source} was given twice; leave it out once, or use different "
+                    "stretches of it with --window and --validate-window"
+                )
+        same.append(recording)
 
 
 def write_answer(found: Any, folder: Path) -> dict[str, Any]:

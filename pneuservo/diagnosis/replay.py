@@ -21,7 +21,7 @@ def replay_model(recording: Recording, rig: Rig) -> Simulation:
     Returns
     -------
     Simulation
-        The recording's channels, the judged one replaced by the model's.
+        The recording's channels, the judged ones replaced by the model's.
 
     Raises
     ------
@@ -30,9 +30,10 @@ def replay_model(recording: Recording, rig: Rig) -> Simulation:
     """
     model = model_of(rig.kind)
     model.require_channels(recording)
-    case = model.prepare(recording, rig.with_conditions(recording.conditions))
-    problem = problems_of(model, [case], Hypothesis())[0]
-    (started,) = problem.values(problem.start / problem.units)
-    values = started | {key: case.rig[key] for key in model.fitted(case)}
-    channels = {**recording.channels, model.channel: model.predict(case, values)}
-    return Simulation(case.rig, recording.time, channels)
+    cases = model.cases(recording, rig.with_conditions(recording.conditions))
+    problem = problems_of(model, cases, Hypothesis())[0]
+    channels = dict(recording.channels)
+    for case, started in zip(cases, problem.values(problem.start / problem.units), strict=True):
+        values = started | {key: case.rig[key] for key in model.fitted(case)}
+        channels[case.channel] = model.channel_in_si(case, values)
+    return Simulation(cases[0].rig, recording.time, channels)

@@ -12,6 +12,7 @@ from pneuservo.rigs import BUILT_IN_RIGS, VARIANTS, Rig, load_rig
 
 AMBIENT_PRESSURE = "ambient_pressure"
 # Facts of a run that any sidecar may state, also when the rig has no use for them.
+_POSITIVE = ("kg", "m**3", "Pa", "m**2")
 _GENERAL_CONDITIONS = {
     "supply_pressure": "Pa",
     AMBIENT_PRESSURE: "Pa",
@@ -136,6 +137,8 @@ def read_conditions(sidecar: Sidecar, rig: Rig) -> tuple[dict[str, float], list[
         if unit == "K" and number <= 0.0:
             raise InputError(f"{where} {key}: {value!r} is {number:g} K, below absolute zero")
         if key in known:
+            if unit in _POSITIVE and number <= 0.0:
+                raise InputError(f"{where} {key}: {value!r} has to be greater than 0")
             conditions[key] = number
         elif key != AMBIENT_PRESSURE:
             warnings.append(f"condition {key} is not a parameter of the rig {rig.name}: not used")

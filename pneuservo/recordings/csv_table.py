@@ -16,6 +16,8 @@ from pneuservo.recordings.table import Table
 
 # In this order where several would do: a comma may be a decimal mark, a tab cannot.
 _DELIMITERS = ("\t", ";", ",")
+_ENOUGH_LINES, _FEWER_DECIMALS = 20, 2
+"""Of so many lines the shortest number tells how many decimals there are, but for so many."""
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
 
 
@@ -172,6 +174,12 @@ def _even(names: list[str], rows: _Rows, header: bool) -> list[str]:
     return names
 
 
+def _decimals(cell: str) -> int:
+    """Return how many digits a number has behind its decimal mark."""
+    parts = re.split("[.,]", re.split("[eE]", cell)[0])
+    return len(parts[1]) if len(parts) > 1 else 0
+
+
 def _require_whole_last_line(rows: _Rows) -> None:
     """Refuse a last line, without line end, whose last number was evidently cut."""
     if len(rows.lines) < 3:
@@ -180,10 +188,14 @@ def _require_whole_last_line(rows: _Rows) -> None:
     last, others = cells[-1], cells[:-1]
     if not all(_NUMBER.fullmatch(cell) for cell in others):
         return
-    decimals = {len(re.split("[.,]", cell)[1]) if re.search("[.,]", cell) else 0 for cell in others}
-    fixed = decimals.pop() if len(decimals) == 1 else 0
-    parts = re.split("[.,]", last)
-    if not _NUMBER.fullmatch(last) or (len(parts[1]) if len(parts) > 1 else 0) < fixed:
+    decimals = [_decimals(cell) for cell in others]
+    whole = _NUMBER.fullmatch(last) and not last.endswith((".", ","))
+    if min(decimals) == max(decimals):
+        whole = whole and _decimals(last) >= min(decimals)
+    elif len(others) >= _ENOUGH_LINES:
+        # Zeros at the end are not written, but never many of them.
+        whole = whole and _decimals(last) >= min(decimals) - _FEWER_DECIMALS
+    if not whole:
         raise InputError(
             f"{rows.path}, {rows.place(len(rows.lines) - 1)}: the last number, {last!r}, is "
             "incomplete: the file is cut off; get a whole copy, or delete that line"

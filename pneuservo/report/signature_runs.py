@@ -73,7 +73,7 @@ def _modelled(recording: Recording, rig: Rig, shown: slice = slice(None)) -> Run
             given |= {u.key: u.start for u in model.nuisances(case, frozenset())}
             given |= {effect.key(name): value for name, value in values.items()}
             if isinstance(model, AnalogueCardModel):
-                found[case.channel] = model.tap(case, given)
+                found[case.channel] = model.channel_in_si(case, given)
             else:
                 found[case.channel] = model.predict(case, given)
         return {name: samples[shown] for name, samples in found.items()}

@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -319,7 +319,7 @@ def _effects(table: dict[str, Any], kind: str, where: str) -> dict[str, dict[str
     from pneuservo.effects.unexplained import require_table
 
     entries = effects_of(kind, tables=True)
-    known = {effect.id: [p.name for p in effect.parameters] for effect in entries}
+    known = {effect.id: {p.name: p for p in effect.parameters} for effect in entries}
     tables = {table.id: table for table in TABLES}
     effects = {}
     for key, entry in table.items():
@@ -330,7 +330,7 @@ def _effects(table: dict[str, Any], kind: str, where: str) -> dict[str, dict[str
     return effects
 
 
-def _effect(entry: Any, known: Sequence[str], what: str) -> dict[str, float]:
+def _effect(entry: Any, known: Mapping[str, Any], what: str) -> dict[str, float]:
     if not isinstance(entry, dict):
         raise InputError(f"{what}: has to be a table of parameter values")
     values: dict[str, float] = {}
@@ -339,8 +339,15 @@ def _effect(entry: Any, known: Sequence[str], what: str) -> dict[str, float]:
         number = value.get("value") if isinstance(value, dict) else value
         if not isinstance(number, int | float) or isinstance(number, bool):
             raise InputError(f"{what} {key}: {number!r} is not a number in SI")
+        parameter = known[key]
+        unit = value.get("unit", parameter.unit) if isinstance(value, dict) else parameter.unit
+        # As in a parameter of the rig, m^2 is m**2.
+        if str(unit).replace("^", "**") != parameter.unit.replace("^", "**"):
+            raise InputError(f"{what} {key}: the unit is {unit!r}, it has to be {parameter.unit!r}")
         try:
             values[key] = to_si(number, "", f"{what} {key}")
         except QuantityError as problem:
             raise InputError(str(problem)) from problem
+        if values[key] < 0.0 <= parameter.low:
+            raise InputError(f"{what} {key}: is {number:g} {unit}; it cannot be negative")
     return values

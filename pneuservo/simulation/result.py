@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pneuservo.controllers import Controller, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording
+from pneuservo.recordings.conditions import CONTROLLER_KINDS
 from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation.metrics import LimitCycle, StepResponse, limit_cycle, step_responses
 
@@ -77,16 +78,19 @@ class Simulation:
         }
         title = "simulated, command replayed"
         notes = ""
+        stated: dict[str, str] = {}
         if self.controller is not None:
             title = f"simulated, {self.controller.kind} controller"
             settings = controller_settings(self.controller)
             notes = ", ".join(f"{name} = {value!r}" for name, value in settings.items())
+            stated = _stated(self.controller.kind)
         return Recording(
             name=name,
             time=self.time,
             channels={key: self.channels[key] for key in CHANNELS if key in self.channels},
             rig=self.rig.kind,
             conditions=conditions,
+            controller=stated,
             title=title,
             notes=notes,
         )
@@ -223,3 +227,18 @@ class Simulation:
             return 0
         changes = np.flatnonzero(np.diff(self["demand"]) != 0.0)
         return int(changes[-1]) + 1 if len(changes) else 0
+
+
+def _stated(kind: str) -> dict[str, str]:
+    """Return what a sidecar says of a controller; nothing where it has no word for it."""
+    if kind == "discrete-sliding-mode":
+        return {"kind": "digital"}
+    # A digital sliding mode is a digital controller.
+    return next(
+        (
+            {"kind": k}
+            for k in CONTROLLER_KINDS
+            if kind in (k, f"{k}-sliding-mode", f"{k}-state-feedback")
+        ),
+        {},
+    )

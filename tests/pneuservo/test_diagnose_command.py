@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -229,6 +230,35 @@ def test_unusable_input_is_refused(run, recordings, tmp_path, arguments, words):
 def test_too_few_samples_are_refused(run, recordings, tmp_path, window):
     done = run(recordings["leak1"], "--window", window, "--out", "answer")
     assert_refused(done, tmp_path, {}, "16")
+
+
+def test_samples_that_would_count_twice_are_refused(run, recordings, tmp_path):
+    leak = recordings["leak1"]
+    for arguments in ([leak, leak], [leak, "--validate", leak]):
+        done = run(*arguments)
+        assert_refused(done, tmp_path, {}, leak, "given twice", "--window")
+
+
+def test_a_slip_in_the_unit_of_the_time_is_refused(run, tmp_path):
+    time = np.arange(200) * 1e-9
+    channels = {"valve_voltage": np.sin(time), "displacement": 0.01 + 1e-3 * np.sin(1e9 * time)}
+    path = str(write_recording(Recording("axis", time, channels), tmp_path / "axis.csv"))
+    before = content(tmp_path)
+    assert_refused(run(path), tmp_path, before, path, "one sample in 1e-09 s", "[time]")
+    long = leaking_volume(1, duration=20.0)
+    path = str(write_recording(replace(long, time=1e4 * long.time), tmp_path / "long.csv"))
+    before = content(tmp_path)
+    assert_refused(run(path), tmp_path, before, path, "2e+05 s in all", "[time]")
+
+
+def test_next_to_no_numbers_are_refused(run, tmp_path):
+    leak = leaking_volume(1, duration=20.0)
+    few = np.full(len(leak), np.nan)
+    few[::800] = leak["dead_volume_pressure"][::800]
+    channels = {**leak.channels, "dead_volume_pressure": few}
+    path = str(write_recording(replace(leak, channels=channels), tmp_path / "few.csv"))
+    before = content(tmp_path)
+    assert_refused(run(path), tmp_path, before, path, "dead_volume_pressure", "numbers", "16")
 
 
 def test_no_recording_is_refused(run, tmp_path):

@@ -102,6 +102,15 @@ def test_a_file_may_hold_effects(tmp_path):
             '[rig]\nkind = "circuit"\n[effects]\n"circuit.cubic-stiffness" = 3',
             "table of parameter values",
         ),
+        (
+            '[rig]\nkind = "seal-tester"\n[effects."friction.pressure"]\n'
+            'slope = { value = 1, unit = "kg" }',
+            "the unit is 'kg'",
+        ),
+        (
+            '[rig]\nkind = "single-axis"\n[effects."leakage.rod-seal"]\narea = { value = -1e-8 }',
+            "cannot be negative",
+        ),
         ("[rig\n", "not valid TOML"),
         ("a = " + "[" * 5000, "not valid TOML"),
     ],

@@ -46,6 +46,16 @@ def test_the_examples_of_the_help_run(run, tmp_path):
     assert (tmp_path / "replayed.csv").exists()
 
 
+@pytest.mark.parametrize(
+    ("controller", "kind"),
+    [("proportional", "proportional"), ("digital-sliding-mode", "digital"), ("sliding-mode", None)],
+)
+def test_what_is_written_states_the_controller(run, tmp_path, controller, kind):
+    done = run("--controller", controller, *LOOP[2:], "--out", "loop.csv")
+    assert done.exit_code == 0, done.output
+    assert read_recording(tmp_path / "loop.csv").controller.get("kind") == kind
+
+
 def test_closed_loop_writes_every_channel(run, tmp_path):
     done = run(*LOOP, "--rate", "2 kHz", "--out", "loop.parquet", "--plot", "loop.svg")
     assert done.exit_code == 0, done.output

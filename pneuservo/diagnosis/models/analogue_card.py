@@ -146,7 +146,7 @@ class AnalogueCardModel(Model):
         done: Recent = case.inputs["done"]
         return done.get(tuple(sorted(mine.items())), lambda: _weighed(case, _stage(case, mine)))
 
-    def tap(self, case: Case, values: Values) -> Array:
+    def channel_in_si(self, case: Case, values: Values) -> Array:
         """Return the judged tap as its inputs, recorded, should make it, unweighed [V]."""
         return _stage(case, _heeded(case, values))
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
 from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
-from pneuservo.diagnosis.models.plausible import require_absolute
+from pneuservo.diagnosis.models.plausible import require_absolute, require_times
 from pneuservo.effects.leakage import LEAKS
 from pneuservo.noise import noise_floor
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
@@ -18,6 +18,9 @@ from pneuservo.rigs import Rig
 
 _LONGEST_STEP = 0.02
 """Longest integration step [s]; the fastest leaks in use empty a volume in seconds."""
+
+_LONGEST = 40_000.0
+"""A leak is followed for up to eleven hours [s]: two million steps each time it is simulated."""
 
 _EARLY = 0.25
 """Share of the whole loss that counts as its beginning."""
@@ -46,6 +49,7 @@ class DeadVolumeModel(Model):
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording with its noise and the opening of the valve."""
         require_absolute(recording, self.channel)
+        require_times(recording, span=_LONGEST)
         measured, time = recording[self.channel], recording.time
         noise = recording.noise_rms.get(self.channel) or noise_floor(measured, time)
         full = rig["valve.full_voltage"]

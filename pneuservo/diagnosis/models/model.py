@@ -346,8 +346,12 @@ class Model:
         raise NotImplementedError
 
     def predict(self, case: Case, values: Values) -> Array:
-        """Return the judged channel as the model has it [SI]."""
+        """Return the judged channel as the model has it [unit of `Case.measured`]."""
         raise NotImplementedError
+
+    def channel_in_si(self, case: Case, values: Values) -> Array:
+        """Return the judged channel as the model has it, as it would be recorded [SI]."""
+        return self.predict(case, values) * case.scale
 
     def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
         """Return phrases that name parts of a recording, with the samples they cover."""

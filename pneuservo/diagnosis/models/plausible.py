@@ -1,5 +1,7 @@
 """Recordings whose numbers no rig can have: mostly a unit or a zero that was not stated."""
 
+import math
+
 import numpy as np
 
 from pneuservo.errors import InputError
@@ -58,3 +60,33 @@ def require_on_stroke(recording: Recording, stroke: float) -> None:
             f"{high:.6g} m, but the rig's stroke is {stroke:.6g} m; check its unit, scale and "
             "offset in the sidecar's [channels], or name another rig with --rig"
         )
+
+
+def require_times(
+    recording: Recording, shortest: float = 0.0, longest: float = math.inf, span: float = math.inf
+) -> None:
+    """Refuse a recording that is sampled as no recorder does, or lasts for ever.
+
+    Parameters
+    ----------
+    recording : Recording
+        The recording.
+    shortest, longest : float, optional
+        Its sampling interval lies in between [s].
+    span : float, optional
+        It lasts for no more than this [s].
+
+    Raises
+    ------
+    InputError
+        When it is not so: mostly the unit of the time is another one.
+    """
+    interval, lasts = recording.sampling_interval, float(recording.time[-1] - recording.time[0])
+    if shortest <= interval <= longest and lasts <= span:
+        return
+    found = f"one sample in {interval:.3g} s, {lasts:.3g} s in all"
+    allowed = f"{shortest:g} to {longest:g} s" if longest < math.inf else f"up to {span:g} s in all"
+    raise InputError(
+        f"{recording.source or recording.name}: {found}; a diagnosis takes {allowed}. Check the "
+        "unit in the sidecar's [time]"
+    )

@@ -1,5 +1,6 @@
 """A card with one element changed in its netlist: is the stage found and the fault named?"""
 
+import numpy as np
 import pytest
 import truth_card as truth
 from reading_answers import assert_recovered, entry_of, named
@@ -7,6 +8,8 @@ from reading_answers import assert_recovered, entry_of, named
 from analog_card.design_file import load_design
 from analog_card.figures import card_figures
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.replay import replay_model
+from pneuservo.rigs import load_rig
 
 _DESIGN = load_design()
 _SURFACE = _DESIGN.soldered.surface_amplifier
@@ -129,3 +132,14 @@ def test_the_figures_of_a_sidecar_are_as_good_as_the_design():
     assert healthy["verdict"] == "consistent"
     faulty = document(diagnose([truth.recording("wiper of P1", 1, card=card)]))
     assert named(faulty) == {"card.weight-loading"}
+
+
+def test_a_recording_of_the_card_is_replayed():
+    """Through the model that `pneuservo simulate` runs where no plant is recorded."""
+    recorded = truth.recording("healthy", 1)
+    run = replay_model(recorded, load_rig("analogue-card"))
+    replayed = [name for name in recorded.channels if not np.array_equal(run[name], recorded[name])]
+    assert "card_output" in replayed
+    for name in replayed:
+        rms = np.sqrt(np.nanmean((run[name] - recorded[name]) ** 2))
+        assert rms < 0.5 * np.nanstd(recorded[name]), name

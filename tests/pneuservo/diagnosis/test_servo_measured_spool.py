@@ -24,6 +24,22 @@ def rig():
     return load_rig("single-axis")
 
 
+def test_a_recording_may_begin_while_the_spool_moves(rig):
+    """As one does that was cut: where the spool was before is in no sample."""
+    command = np.where(TIME % 0.1 < 0.05, 3.0, -3.0)
+    run = simulate(rig, time=TIME, command=command)
+    recording = noisy(run, np.random.default_rng(2))
+    recording.channels.update(spool=run["spool"])
+    cut = recording.slice(0.052, 1.0)
+    assert abs(cut["spool"][0] - cut["valve_voltage"][0] / 5.0) > 0.1
+    model = ServoModel()
+    cases = model.cases(model.completed(cut, rig), rig)
+    held = next(way for way in model.readings(cases) if not way[0].inputs["feed"].ramped)
+    for case in held:
+        left = (case.measured - model.predict(case, {}))[case.usable]
+        assert np.std(left) < 1.3, case.channel
+
+
 def recorded(rig, effects, with_spool, with_demand, seed=6):
     """Return a run whose spool is read by a transducer that is off in zero and gain."""
     rng = np.random.default_rng(seed)

@@ -168,6 +168,8 @@ def test_three_decimals_after_a_comma_throughout_are_decimals(save):
     assert read_recording(save("\n".join(["time;force", *rows, ""])))["force"][0] == 1.125
 
 
+# Zeros at the end are not written.
+_DECIMALS = b"".join(b"%d,1.%d\n" % (i, 10007 ** (1 + i % 3)) for i in range(40))
 REFUSED_FILES = [
     pytest.param(b"", ["empty"], id="empty"),
     pytest.param(b"\n \n\n", ["blank lines"], id="blank"),
@@ -201,6 +203,20 @@ REFUSED_FILES = [
         b"time,force\n" + b"".join(b"%d,1.500\n" % i for i in range(20)) + b"20,1.5",
         ["line 22", "'1.5'", "cut off"],
         id="last number with fewer decimals",
+    ),
+    pytest.param(
+        b"time,force\n"
+        + b"".join(b"%d,1.%d\n" % (i, 10007 ** (1 + i % 3)) for i in range(40))
+        + b"40,1.",
+        ["line 42", "'1.'", "cut off"],
+        id="last number at its decimal mark",
+    ),
+    pytest.param(
+        b"time,force\n"
+        + b"".join(b"%d,1.%d\n" % (i, 10007 ** (1 + i % 3)) for i in range(40))
+        + b"40,1.10",
+        ["line 42", "'1.10'", "cut off"],
+        id="last number far shorter than any other",
     ),
     pytest.param(
         b"time,force\n" + b"".join(b"%d,1.5e-3\n" % i for i in range(20)) + b"20,1.5e-",

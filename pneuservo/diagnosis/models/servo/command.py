@@ -259,6 +259,17 @@ def noise_of_command(voltage: Array) -> float:
     return noise if noise < _CHATTER else 0.0
 
 
+def settling_time(frequency: float, damping: float) -> float:
+    """Return after how long a spool stands still [s].
+
+    Parameters
+    ----------
+    frequency, damping : float
+        Of the spool [rad/s], [-].
+    """
+    return _SETTLED / (damping * frequency)
+
+
 def followed_by_spool(
     off: Array, interval: float, frequency: float, damping: float
 ) -> tuple[Array, Array]:
@@ -287,7 +298,7 @@ def followed_by_spool(
     """
     from scipy.signal import step
 
-    intervals = math.ceil(_SETTLED / (damping * frequency * interval))
+    intervals = math.ceil(settling_time(frequency, damping) / interval)
     moments = interval / _FINER * np.arange(_FINER * intervals + 1)
     _, reply = step(([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2]), T=moments)
     # Of one interval: the reply to a step less the same one interval later.

@@ -57,6 +57,7 @@ def read(
     if not looks_for_rests:
         fed = with_gains(held_at_stops(fed, rig), rig)
     found: list[Case] = []
+    too_few: dict[str, int] = {}
     for channel, unit in _JUDGED:
         if channel not in recording:
             continue
@@ -65,6 +66,7 @@ def read(
         if channel == "displacement":
             usable = usable & (~fed.held | (fed.resting != 0))
         if np.count_nonzero(usable) < FEWEST:
+            too_few[channel] = int(np.count_nonzero(usable))
             continue
         found.append(
             Case(
@@ -97,8 +99,10 @@ def read(
         )
     if not found:
         raise InputError(
-            f"{recorded.source or recorded.name}: the piston does not move and no pressure "
-            "was recorded: there is nothing to judge; record both pressures, or a motion"
+            f"{recorded.source or recorded.name}: there is nothing to judge: while the piston "
+            "moves, and in pressures, there are "
+            + ", ".join(f"{count} usable samples of {name}" for name, count in too_few.items())
+            + f"; {FEWEST} of one are needed. Record both pressures, a motion, or for longer"
         )
     return found
 

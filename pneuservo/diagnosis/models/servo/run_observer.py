@@ -60,6 +60,8 @@ UNEVEN = 0.1
 ASTRAY = 1e3
 """Innovations are never larger than so many times the noise: a fit turns back from values with
 which the observer runs away, but can make nothing of numbers that are not finite."""
+_ELSEWHERE = 4.0
+"""So many times its noise a spool is read off where it was told to be, if it is elsewhere."""
 
 
 def numbers(values: Values, rig: Rig) -> tuple[SingleAxis, ServoEffects]:
@@ -259,8 +261,9 @@ def _observe(
     read = np.where(fed.read, pressures - behind * fed.pressure_rates / _as_read(effects), np.nan)
     late = math.ceil(effects.sensor.pressure_skew / fed.interval)
     command = bent(fed.command, fed.bends, values, plant.valve.full_voltage)
+    opening = _opening_at_first(fed, values, plant.valve.full_voltage)
     servo, state, supply = _chain(
-        fed, motion, np.where(there, pressures, fed.pressures), plant, effects
+        fed, motion, np.where(there, pressures, fed.pressures), opening, plant, effects
     )
     if learning:
         steps = dividing(fed.time, FINEST)
@@ -348,7 +351,12 @@ def _moves_of_spool(
 
 
 def _chain(
-    fed: Feed, motion: Array, pressures: Array, plant: SingleAxis, effects: ServoEffects
+    fed: Feed,
+    motion: Array,
+    pressures: Array,
+    opening: float,
+    plant: SingleAxis,
+    effects: ServoEffects,
 ) -> tuple[Servo, Array, Array]:
     """Return the numbers of the chain, the state it starts from, and the supply pressure."""
     servo = Servo(plant, effects, OPEN_LOOP)
@@ -357,10 +365,22 @@ def _chain(
         supply = np.full_like(fed.time, plant.supply_pressure)
         supply = drifting_supply(fed.time, supply, effects.unexplained_drift)
     start = np.zeros(PLANT_STATES)
-    start[SPOOL] = np.clip(fed.voltage[0] / plant.valve.full_voltage, -1.0, 1.0)
+    start[SPOOL] = np.clip(opening, -1.0, 1.0)
     start[[PRESSURE_A, PRESSURE_B]] = pressures[:, 0]
     start[[DISPLACEMENT, VELOCITY]] = motion[:2, 0]
     return servo, servo_state(start, servo, float(supply[0])), supply
+
+
+def _opening_at_first(fed: Feed, values: Values, full_voltage: float) -> float:
+    """Return where the spool is when a recording begins: where it was told to be, or was read.
+
+    A recording may begin, or be cut, while it moves.
+    """
+    told = float(fed.voltage[0]) / full_voltage
+    if not len(fed.spool_reading) or not np.isfinite(fed.spool_reading[0]):
+        return told
+    read = float(fed.spool_reading[0] - values.get(SPOOL_ZERO, 0.0)) / values.get(SPOOL_GAIN, 1.0)
+    return read if abs(read - told) > _ELSEWHERE * fed.noise["spool"] else told
 
 
 def _as_read(effects: ServoEffects) -> Array:

@@ -18,7 +18,7 @@ from pneuservo.diagnosis.models.model import (
     Values,
     is_among,
 )
-from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke
+from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke, require_times
 from pneuservo.diagnosis.models.servo.between_samples import AsGiven, with_running_command
 from pneuservo.diagnosis.models.servo.command import is_relay
 from pneuservo.diagnosis.models.servo.estimate import with_gains
@@ -47,6 +47,8 @@ from pneuservo.plant.servo.unexplained_effects import QUANTITIES
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
+_INTERVALS = (5e-6, 0.05)
+"""Between samples of a servo [s]: a spool is done within 10 ms, and a piston swings in 50."""
 _ONLY_NOISE = ("sensor.noise-colour", "sensor.quantisation")
 _STANDS_STILL = 0.5
 """Share of the intervals in which a command does that comes from a table and not from a loop."""
@@ -117,6 +119,7 @@ class ServoModel(Model):
 
         What changes in the course of a recording counts from where that begins.
         """
+        require_times(recording, *_INTERVALS)
         require_absolute(recording, *PRESSURES, SUPPLY)
         return with_stand_ins(with_gaps_as_missing(recording.from_its_start()), rig)
 

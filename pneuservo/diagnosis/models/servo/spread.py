@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.servo.command import followed_by_spool
+from pneuservo.diagnosis.models.servo.command import followed_by_spool, settling_time
 from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.plant.valve import Valve
@@ -133,12 +133,15 @@ def shares_of_spool(time: Array, unseen: Array, reading: Array, noise: float, ri
     -------
     (n,) array
         Less than one where a command that runs on bends between two samples, and until the spool
-        has followed it: what it did in between is not known; 0 where there is no reading [-].
+        has followed it: what it did in between is not known; 0 where there is no reading, and until
+        the spool has forgotten what the command was before the first sample [-].
     """
     from pneuservo.plant.from_rig import single_axis
 
-    _, off = _unseen_opening(time, unseen, single_axis(rig).valve)
-    return np.where(np.isfinite(reading), noise / np.hypot(noise, off), 0.0)
+    valve = single_axis(rig).valve
+    _, off = _unseen_opening(time, unseen, valve)
+    begun = time < time[0] + settling_time(valve.spool_frequency, valve.spool_damping)
+    return np.where(np.isfinite(reading) & ~begun, noise / np.hypot(noise, off), 0.0)
 
 
 def _volumes(displacement: Array, plant: SingleAxis) -> Array:
