@@ -346,9 +346,10 @@ def _cannot_separate(
 def _fit(diagnosis: Diagnosis) -> dict[str, Any]:
     search, held_back = diagnosis.search, diagnosis.held_back
     units = {case.channel: case.unit for case in search.cases if case.recorded}
+    # The noise that decided: an answer would contradict itself by another.
     noise = [
         np.full(len(r), level)
-        for r, level in zip(search.baseline.residuals, search.noise, strict=True)
+        for r, level in zip(search.baseline.residuals, search.unit_of_noise, strict=True)
     ]
     return {
         "channels": {
