@@ -1,5 +1,6 @@
 """The rig of a command that reckons with the baseline's laws alone."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,11 +30,36 @@ def baseline_rig(name: str) -> "Rig":
     """
     from pneuservo.simulation.inputs import require_kind
 
-    rig = require_kind(name, "single-axis", effects=True)
+    return without_effects(require_kind(name, "single-axis", effects=True), name)
+
+
+def without_effects(rig: "Rig", name: str) -> "Rig":
+    """Return a rig without effects; where it has some, a warning on standard error names them.
+
+    Parameters
+    ----------
+    rig : Rig
+        Of kind single-axis.
+    name : str
+        As it was given.
+    """
     if not rig.effects:
         return rig
-    warn(
-        f"rig {name}: {', '.join(sorted(rig.effects))} is left out here; "
-        "see what it changes with pneuservo simulate or campaign"
-    )
+    warn_left_out(name, rig.effects)
     return replace(rig, effects={})
+
+
+def warn_left_out(name: str, effects: Iterable[str]) -> None:
+    """Say on standard error which effects a command leaves out.
+
+    Parameters
+    ----------
+    name : str
+        Of the rig, as it was given.
+    effects : iterable of str
+        Their ids.
+    """
+    warn(
+        f"rig {name}: {', '.join(sorted(effects))} is left out here; see what it changes with "
+        "pneuservo simulate or campaign and a continuous controller"
+    )

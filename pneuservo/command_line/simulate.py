@@ -13,13 +13,14 @@ import numpy as np
 from analog_card.behaviour import Imperfections
 from analog_card.console import Count, Quantity, warn, writing
 from analog_card.plain_json import plain_json
+from pneuservo.command_line.baseline_rig import without_effects
 from pneuservo.command_line.recording_files import read
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording, write_recording
 from pneuservo.recordings.writer import require_recording_file
 from pneuservo.report.picture_files import require_picture, write_picture
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation import Simulation, replay, step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import require_kind
@@ -192,7 +193,7 @@ def _closed_loop(
     if demand is None:
         raise InputError('a closed loop needs --demand, such as --demand "15,24,6,15 mm"')
     if not names_recording(demand):
-        rig = require_kind(rig_name or "single-axis", "single-axis", effects=True)
+        rig = _rig_of_loop(loop, rig_name or "single-axis")
         values = set_points(demand, rig["piston.stroke"], "--demand")
         time, samples = step_demand(values, hold or HOLD, rate or RATE)
         return loop.run(rig, time, samples, seed=seed), None
@@ -202,10 +203,15 @@ def _closed_loop(
         raise InputError(
             f"{demand}: there is no channel demand; there are: {', '.join(source.channels)}"
         )
-    rig = require_kind(rig_name or source.rig, "single-axis", effects=True)
-    rig = rig.with_conditions(source.conditions)
+    rig = _rig_of_loop(loop, rig_name or source.rig).with_conditions(source.conditions)
     start = initial_state(source, rig, warn)
     return loop.run(rig, source.time, source["demand"], start, seed), source
+
+
+def _rig_of_loop(loop: LoopController, name: str) -> Rig:
+    """Return a rig as a controller can drive it."""
+    rig = require_kind(name, "single-axis", effects=True)
+    return without_effects(rig, name) if loop.drives_baseline_only else rig
 
 
 def _write(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analog_card.console import Count, Quantity, progress
+from pneuservo.command_line.baseline_rig import warn_left_out
 from pneuservo.command_line.campaign_options import (
     hand_out,
     options_of_place,
@@ -124,6 +125,8 @@ def command(
     settings = read_given(file, vary, given)
     where = "--vary" if file is None else f"{file} [vary]"
     problem = tuning_problem(settings, overshoot, error, where)
+    if problem.left_out:
+        warn_left_out(str(settings["rig"]), problem.left_out)
     plan = Search(population, generations, problem.campaign.seed)
     with (
         progress(len(plan) + check) as step,

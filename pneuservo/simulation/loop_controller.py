@@ -10,7 +10,7 @@ from analog_card.behaviour import Imperfections
 from analog_card.design import Design
 from analog_card.design_file import load_design
 from analog_card.tuning import tune
-from pneuservo.controllers import CONTROLLERS, AnalogueCard, Controller, card_of
+from pneuservo.controllers import CONTROLLERS, AnalogueCard, Controller, SampledController, card_of
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest
 from pneuservo.rigs import Rig
@@ -68,6 +68,11 @@ class LoopController:
     card: str | None = None
     design: Design | None = None
     relay: bool = False
+
+    @property
+    def drives_baseline_only(self) -> bool:
+        """Return whether it closes the loop around rigs without effects alone."""
+        return self.card == CIRCUIT or isinstance(self.controller, SampledController)
 
     @property
     def title(self) -> str:

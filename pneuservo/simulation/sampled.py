@@ -65,8 +65,9 @@ def simulate_sampled(
     """
     if rig.effects or driven.supply_pressure is not None:
         raise InputError(
-            f"controller {controller.kind} samples, and drives the baseline only; leave out "
-            "[effects] and the measured supply pressure, or take a continuous controller"
+            f"rig {rig.name}: controller {controller.kind} samples, and drives the baseline only; "
+            f"leave out {', '.join(rig.effects) or 'the measured supply pressure'}, or take a "
+            "continuous controller"
         )
     delay = _delay(controller)
     noise = draw_noise(rig, len(driven.time), seed)

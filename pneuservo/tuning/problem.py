@@ -60,11 +60,14 @@ class TuningProblem:
         Allowed in every rig, as a share of the step [-].
     largest_error : float
         Steady-state error allowed in every rig [m].
+    left_out : tuple of str
+        Effects of the rig that was given: many runs side by side are of the baseline.
     """
 
     campaign: Campaign
     largest_overshoot: float = LARGEST_OVERSHOOT
     largest_error: float = LARGEST_ERROR
+    left_out: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what makes no problem."""
@@ -76,8 +79,6 @@ class TuningProblem:
                 )
             if ":" in axis.name:
                 raise InputError(f"--vary {axis.name}: {_NO_EFFECTS}")
-        if self.campaign.rig.effects:
-            raise InputError(f"rig {self.campaign.rig.name}: {_NO_EFFECTS}")
         if not np.any(np.diff(self.campaign.demand)):
             raise InputError(
                 "the demand never changes, so that there is no step to settle after; "
@@ -190,7 +191,9 @@ def tuning_problem(
     if not used.get("vary"):
         used["vary"] = standard_set(load_design(used.get("design")))
     campaign = campaign_of({**used, "metrics": [*OBJECTIVES, *LIMITED]}, where)
-    return TuningProblem(campaign, largest_overshoot, largest_error)
+    left_out = tuple(campaign.rig.effects)
+    campaign = replace(campaign, rig=replace(campaign.rig, effects={}))
+    return TuningProblem(campaign, largest_overshoot, largest_error, left_out)
 
 
 def standard_set(design: Design) -> dict[str, Any]:

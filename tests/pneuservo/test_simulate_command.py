@@ -56,6 +56,16 @@ def test_what_is_written_states_the_controller(run, tmp_path, controller, kind):
     assert read_recording(tmp_path / "loop.csv").controller.get("kind") == kind
 
 
+@pytest.mark.parametrize("controller", ["digital-sliding-mode", "hybrid-sliding-mode"])
+def test_a_sampled_controller_drives_a_repaired_rig_without_its_effects(run, tmp_path, controller):
+    (tmp_path / "model.toml").write_text(
+        '[rig]\nkind = "single-axis"\n[effects."leakage.rod-seal"]\narea = 1e-8\n'
+    )
+    done = run("--rig", "model.toml", "--controller", controller, *LOOP[2:])
+    assert done.exit_code == 0, done.output
+    assert "model.toml: leakage.rod-seal is left out here" in done.stderr
+
+
 def test_closed_loop_writes_every_channel(run, tmp_path):
     done = run(*LOOP, "--rate", "2 kHz", "--out", "loop.parquet", "--plot", "loop.svg")
     assert done.exit_code == 0, done.output

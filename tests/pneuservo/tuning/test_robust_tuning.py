@@ -305,3 +305,11 @@ def test_nothing_keeps_limits_that_nothing_can(problem):
     impossible = replace(problem, largest_error=1e-9)
     with pytest.raises(FitError, match="not one of 4 settings keeps"):
         run_tuning(impossible, Search(4, 1))
+
+
+def test_a_repaired_rig_is_tuned_for_without_its_effects(tmp_path):
+    model = tmp_path / "model.toml"
+    model.write_text('[rig]\nkind = "single-axis"\n[effects."leakage.rod-seal"]\narea = 1e-8\n')
+    problem = tuning_problem({"rig": str(model), "vary": {"load.mass": "1.8, 7 kg"}})
+    assert problem.left_out == ("leakage.rod-seal",)
+    assert not any(rig.effects for rig in problem.rigs)
