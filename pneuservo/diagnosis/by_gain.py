@@ -24,7 +24,7 @@ from pneuservo.diagnosis.judge import (
 from pneuservo.effects import Effect
 
 _MOTION, _PRESSURES = "displacement", {"pressure_a", "pressure_b"}
-ELSEWHERE = 0.5
+ELSEWHERE = 0.25
 """Share of what a second effect explains that no other form of what was found may explain, if it is
 to have a place where forms leave as much (`SECOND_SHARE`, `AS_GOOD`) ..."""
 LEAST_ELSEWHERE = 3.0 * LEAST_GAIN

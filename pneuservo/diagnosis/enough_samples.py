@@ -7,7 +7,9 @@ import numpy as np
 from pneuservo.diagnosis.models import Case
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
-from pneuservo.recordings.time_checks import FEWEST_SAMPLES
+
+FEWEST = 8
+"""Numbers of a channel, and samples of it that can be judged, below which nothing is told."""
 
 
 def require_enough_numbers(recording: Recording, unread: Sequence[str]) -> None:
@@ -23,14 +25,14 @@ def require_enough_numbers(recording: Recording, unread: Sequence[str]) -> None:
     Raises
     ------
     InputError
-        When a channel that is read holds fewer than 16.
+        When a channel that is read holds fewer than 8.
     """
     for channel, samples in recording.channels.items():
         numbers = int(np.count_nonzero(np.isfinite(samples)))
-        if channel not in unread and numbers < FEWEST_SAMPLES:
+        if channel not in unread and numbers < FEWEST:
             raise InputError(
                 f"{recording.source or recording.name}: {channel} holds {numbers} numbers here; at "
-                f"least {FEWEST_SAMPLES} are needed; leave the channel out, or use another stretch"
+                f"least {FEWEST} are needed; leave the channel out, or use another stretch"
             )
 
 
@@ -45,14 +47,14 @@ def require_enough_judged(cases: Sequence[Case]) -> None:
     Raises
     ------
     InputError
-        When fewer than 16 samples are left of a channel, for what drives it is missing elsewhere.
+        When fewer than 8 samples are left of a channel, for what drives it is missing elsewhere.
     """
     for case in cases:
         judged = int(np.count_nonzero(case.usable))
-        if case.recorded and judged < FEWEST_SAMPLES:
+        if case.recorded and judged < FEWEST:
             origin = case.origin
             channel = case.channel or "what is judged"
             raise InputError(
                 f"{origin.source or origin.name}: {judged} samples of {channel} can be judged; at "
-                f"least {FEWEST_SAMPLES} are needed; record without gaps, or use another stretch"
+                f"least {FEWEST} are needed; record without gaps, or use another stretch"
             )

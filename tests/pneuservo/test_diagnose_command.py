@@ -258,7 +258,9 @@ def test_next_to_no_numbers_are_refused(run, tmp_path):
     channels = {**leak.channels, "dead_volume_pressure": few}
     path = str(write_recording(replace(leak, channels=channels), tmp_path / "few.csv"))
     before = content(tmp_path)
-    assert_refused(run(path), tmp_path, before, path, "dead_volume_pressure", "numbers", "16")
+    assert_refused(
+        run(path), tmp_path, before, path, "dead_volume_pressure", "numbers", "8 are needed"
+    )
 
 
 def test_no_recording_is_refused(run, tmp_path):

@@ -528,7 +528,7 @@ def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
     ("more", "elsewhere", "noise", "earns"),
     [
         (300.0, 0.0, 1.0, False),
-        (320.0, 155.0, 1.0, False),
+        (700.0, 165.0, 1.0, False),
         (300.0, 160.0, 1.0, True),
         (300.0, 160.0, 1.13, False),
         (140.0, 140.0, 1.0, False),

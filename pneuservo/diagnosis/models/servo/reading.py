@@ -99,10 +99,10 @@ def read(
         )
     if not found:
         raise InputError(
-            f"{recorded.source or recorded.name}: there is nothing to judge: while the piston "
-            "moves, and in pressures, there are "
+            f"{recorded.source or recorded.name}: there is nothing to judge: where the piston does "
+            "not move its place tells nothing, and there are "
             + ", ".join(f"{count} usable samples of {name}" for name, count in too_few.items())
-            + f"; {FEWEST} of one are needed. Record both pressures, a motion, or for longer"
+            + f"; {FEWEST} are needed. Record both pressures, a motion, or for longer"
         )
     return found
 
