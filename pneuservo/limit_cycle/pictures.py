@@ -8,7 +8,7 @@ import numpy as np
 from pneuservo.limit_cycle.comparison import DESCRIBING_FUNCTION, Finding
 from pneuservo.limit_cycle.linear_simulation import StepCourse
 from pneuservo.limit_cycle.loop import Loop, loop_response
-from pneuservo.report.svg import thinned
+from pneuservo.thinning import thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

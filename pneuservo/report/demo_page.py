@@ -7,7 +7,8 @@ import numpy as np
 from analog_card.verification import decibel
 from pneuservo.demo import Demo
 from pneuservo.report.page import diagnosis_content, render
-from pneuservo.report.svg import BASELINE, MEASURED, REPAIRED, draw, thinned
+from pneuservo.report.svg import BASELINE, MEASURED, REPAIRED, draw
+from pneuservo.thinning import thinned
 
 
 def demo_page(demo: Demo, answer: dict[str, Any]) -> str:

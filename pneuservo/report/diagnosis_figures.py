@@ -11,8 +11,9 @@ from pneuservo.diagnosis.models import Case
 from pneuservo.diagnosis.unexplained import Unexplained, smoothed
 from pneuservo.diagnosis.unknowns import values_in
 from pneuservo.intervals import INTERVAL
-from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw, thinned
+from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, draw
 from pneuservo.report.words import UNITS
+from pneuservo.thinning import thinned
 
 _FITS = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
 _CLOSE = 5.0

@@ -12,9 +12,10 @@ from pneuservo.recordings import CHANNELS
 from pneuservo.report.picture_files import write_picture
 from pneuservo.report.signature_runs import Samples, runs_of
 from pneuservo.report.signatures import Signature, signature_of
-from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED, thinned
+from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED
 from pneuservo.report.words import quantity
 from pneuservo.rigs import load_rig
+from pneuservo.thinning import thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

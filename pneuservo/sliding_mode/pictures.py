@@ -7,7 +7,6 @@ import numpy as np
 
 from analog_card.linear_servo import LinearServo
 from pneuservo.linear import ServoData, advanced_servo, without_valve
-from pneuservo.report.svg import thinned
 from pneuservo.sliding_mode.design import SlidingModeDesign, linear_models
 from pneuservo.sliding_mode.disturbance import reserve
 from pneuservo.sliding_mode.equivalent_control import servo_gains
@@ -15,6 +14,7 @@ from pneuservo.sliding_mode.loop import LoopRun
 from pneuservo.sliding_mode.range_space import RangeSpace
 from pneuservo.sliding_mode.reachability import fastest_settling_time, opened
 from pneuservo.sliding_mode.surface import Surface, surface_from_settling_time
+from pneuservo.thinning import thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

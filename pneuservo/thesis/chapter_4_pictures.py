@@ -14,11 +14,11 @@ from pneuservo.calibration.validation import Comparison, experiment_rig
 from pneuservo.identification.pictures import draw_estimates
 from pneuservo.plant.gas import gas_mass_flow, ideal_gas, mass_flow_coefficient
 from pneuservo.report.picture_files import write_pictures
-from pneuservo.report.svg import thinned
 from pneuservo.thesis.chapter_4_motion import by_position_and_direction, synthetic
 from pneuservo.thesis.chapter_4_stated import stated
 from pneuservo.thesis.chapter_4_steps import StepRun, step_run
 from pneuservo.thesis.chapter_4_valve import calibrated, heat_study, valve_comparisons
+from pneuservo.thinning import thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,6 @@ import numpy as np
 
 from pneuservo.linear import advanced_servo, table_5_2, without_valve
 from pneuservo.report.picture_files import write_pictures
-from pneuservo.report.svg import thinned
 from pneuservo.sliding_mode.equivalent_control import servo_gains
 from pneuservo.sliding_mode.laws import (
     IntegralAction,
@@ -32,6 +31,7 @@ from pneuservo.thesis.chapter_7_surface import (
     stated,
 )
 from pneuservo.thesis.parameter_sets import PRINTED
+from pneuservo.thinning import thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
