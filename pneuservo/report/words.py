@@ -122,9 +122,12 @@ def _answered(answer: dict[str, Any]) -> str:
         f"falls from {old} to {new}" if old != new else f"stays at {new}"
     )
     if answer["verdict"] == "consistent":
+        beyond = "no effect in the catalogue does better than chance"
+        if answer.get("partial"):
+            beyond = "not all of what the catalogue would explain had been asked"
         return (
             f"The simulation agrees with the recordings: it misses the {name} by "
-            f"{quantity(after, unit)}, and no effect in the catalogue does better than chance."
+            f"{quantity(after, unit)}, and {beyond}."
         )
     if answer["verdict"] == "parameter":
         names = ", ".join(answer["corrected_parameters"]) or "a parameter"

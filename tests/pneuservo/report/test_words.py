@@ -47,3 +47,10 @@ def test_a_misfit_that_reads_the_same_before_and_after_does_not_fall():
 def test_far_more_than_noise_that_is_left_is_said(used, said):
     words = headline(answer(None, used=used))
     assert ("Not all is explained: 0.063 mm of the displacement are left, 3 times" in words) is said
+
+
+def test_an_answer_that_was_interrupted_does_not_say_that_all_was_tried():
+    whole, partial = answer(None), answer(None) | {"partial": True}
+    assert "no effect in the catalogue does better" in headline(whole)
+    assert "no effect" not in headline(partial)
+    assert "not all of what the catalogue would explain had been asked" in headline(partial)
