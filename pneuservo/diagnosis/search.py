@@ -223,9 +223,7 @@ class Search(Rivals):
         wrong = out_of_tolerance(chosen)
         if len(wrong) < 2:
             return
-        free = chosen.hypothesis
-        for name in wrong:
-            free = free.adding(f"param.{name}")
+        free = self._with([*self.accepted, *(f"param.{name}" for name in wrong)])
         if cause := self.one_cause_instead(chosen, self.ended(free)):
             self._name(cause, 0.0)
 

@@ -284,9 +284,7 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
     for key in entry:
         require_known(key, fields, what)
     base = base or Parameter(float("nan"), unit)
-    # Answers of a diagnosis write m^2.
-    if str(entry.get("unit", unit)).replace("^", "**") != unit:
-        raise InputError(f"{what}: the unit is {entry['unit']!r}, it has to be {unit!r}")
+    _require_unit(entry, unit, what)
     try:
         value = to_si(entry["value"], unit, what) if "value" in entry else base.value
         tolerance = base.tolerance
@@ -297,6 +295,12 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
         raise InputError(str(problem)) from problem
     free, source = bool(entry.get("free", base.free)), str(entry.get("source", base.source))
     return Parameter(value, unit, tolerance, free, source, nominal)
+
+
+def _require_unit(entry: Mapping[str, Any], unit: str, what: str) -> None:
+    """Refuse a value that is stated in another unit; answers of a diagnosis write m^2."""
+    if str(entry.get("unit", unit)).replace("^", "**") != unit.replace("^", "**"):
+        raise InputError(f"{what}: the unit is {entry['unit']!r}, it has to be {unit!r}")
 
 
 def _repeats(value: float, parameter: Parameter) -> bool:
@@ -340,14 +344,12 @@ def _effect(entry: Any, known: Mapping[str, Any], what: str) -> dict[str, float]
         if not isinstance(number, int | float) or isinstance(number, bool):
             raise InputError(f"{what} {key}: {number!r} is not a number in SI")
         parameter = known[key]
-        unit = value.get("unit", parameter.unit) if isinstance(value, dict) else parameter.unit
-        # As in a parameter of the rig, m^2 is m**2.
-        if str(unit).replace("^", "**") != parameter.unit.replace("^", "**"):
-            raise InputError(f"{what} {key}: the unit is {unit!r}, it has to be {parameter.unit!r}")
+        if isinstance(value, dict):
+            _require_unit(value, parameter.unit, f"{what} {key}")
         try:
             values[key] = to_si(number, "", f"{what} {key}")
         except QuantityError as problem:
             raise InputError(str(problem)) from problem
         if values[key] < 0.0 <= parameter.low:
-            raise InputError(f"{what} {key}: is {number:g} {unit}; it cannot be negative")
+            raise InputError(f"{what} {key}: is {number:g} {parameter.unit}; it cannot be negative")
     return values
