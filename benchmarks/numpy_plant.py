@@ -7,12 +7,10 @@ at for events is plain Python, so that it does not make the yardstick slower tha
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.compiled_plant import CompiledPlant
+from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard
-
-Array = NDArray[np.float64]
 
 
 class NumpyPlant(CompiledPlant):

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from analog_card.design import Design
@@ -15,14 +14,14 @@ from analog_card.settings import (
     velocity_setting,
 )
 from analog_card.surface_weights import weights_from_settings
+from pneuservo.arrays import Array
 from pneuservo.controllers import Controller, SlidingMode, card_of
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation import InitialState, Simulation, simulate
 from pneuservo.simulation.metrics import StepResponse
 
-Samples = NDArray[np.float64]
-Respond = Callable[[Design], Samples]
+Respond = Callable[[Design], Array]
 
 # P1 and P2 are looked for between these fractions of travel; further down the loop hardly moves.
 _LOWEST, _HIGHEST = 0.05, 1.0
@@ -76,7 +75,7 @@ class BenchTuning:
     tried: tuple[tuple[float, bool], ...]
 
 
-def match_response(respond: Respond, target: Samples, design: Design) -> Match:
+def match_response(respond: Respond, target: Array, design: Design) -> Match:
     """Find the settings of P1 and P2 that bring a card's response onto a target.
 
     Parameters
@@ -110,7 +109,7 @@ def match_response(respond: Respond, target: Samples, design: Design) -> Match:
             "both are needed at the same times"
         )
 
-    def turned(fractions: Samples) -> Design:
+    def turned(fractions: Array) -> Design:
         p1, p2 = (float(value) for value in fractions)
         settings = replace(design.turned, displacement_weight=p1, velocity_weight=p2)
         return replace(design, turned=settings)
@@ -130,9 +129,7 @@ def match_response(respond: Respond, target: Samples, design: Design) -> Match:
     return Match(best, _rms(start, target), _rms(respond(best), target))
 
 
-def effective_settings(
-    recorded: Samples, respond: Respond, target: Samples, design: Design
-) -> Match:
+def effective_settings(recorded: Array, respond: Respond, target: Array, design: Design) -> Match:
     """Find how far to turn a real card from one recorded response.
 
     Parameters
@@ -187,9 +184,9 @@ def _turned_to(design: Design, c1: float, c2: float) -> Design:
 def bench_tune(
     design: Design,
     ideal: SlidingMode,
-    time: Samples,
-    demand: Samples,
-    recorded: Samples | None = None,
+    time: Array,
+    demand: Array,
+    recorded: Array | None = None,
     rig: Rig | None = None,
     initial: InitialState | None = None,
     step: Callable[[str], None] = lambda _: None,
@@ -243,7 +240,7 @@ def bench_tune(
     def run(controller: Controller) -> Simulation:
         return simulate(rig, time=time, demand=demand, controller=controller, initial=initial)
 
-    def respond(card: Design) -> Samples:
+    def respond(card: Design) -> Array:
         return run(card_of(card))["displacement"][step_at:]
 
     step("ideal response")
@@ -310,10 +307,10 @@ def _with_layer(design: Design, layer: float) -> Design:
     return replace(design, turned=replace(design.turned, boundary_layer=setting))
 
 
-def _deviation(response: Samples, target: Samples) -> Samples:
+def _deviation(response: Array, target: Array) -> Array:
     difference = response - target
     return difference - np.mean(difference)
 
 
-def _rms(response: Samples, target: Samples) -> float:
+def _rms(response: Array, target: Array) -> float:
     return float(np.sqrt(np.mean(_deviation(response, target) ** 2)))

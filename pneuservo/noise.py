@@ -1,9 +1,8 @@
 """How noisy a channel is, and how many independent samples a residual holds."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pneuservo.arrays import Array, bridged
 
 WANDER = 0.35
 """The zero of a transducer wanders by up to this share of its white noise ..."""
@@ -48,8 +47,7 @@ def noise_floor(samples: Array, time: Array) -> float:
     """
     from scipy.signal import welch
 
-    good = np.isfinite(samples)
-    samples = np.interp(time, time[good], samples[good])
+    samples = bridged(time, samples)
     rate = 1.0 / float(np.median(np.diff(time)))
     length = min(256, len(samples) // 2)
     # The linear trend of each window would leak into every band.

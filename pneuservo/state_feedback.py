@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.controllers import StateFeedback
 from pneuservo.errors import InputError
 from pneuservo.linear.models import state_space
@@ -19,7 +19,6 @@ from pneuservo.simulation.inputs import LARGEST_STEP, require_kind
 if TYPE_CHECKING:
     from control import StateSpace
 
-Samples = NDArray[np.float64]
 
 # The third pole by default, so many times further left than the pair.
 THIRD_POLE_FACTOR = 15.0
@@ -129,8 +128,8 @@ def largest_real_part(servo: LinearServo, controller: StateFeedback, sensitivity
 
 
 def linear_step(
-    servo: LinearServo, controller: StateFeedback, sensitivity: float, time: Samples
-) -> Samples:
+    servo: LinearServo, controller: StateFeedback, sensitivity: float, time: Array
+) -> Array:
     """Return the response of the linear model to a unit step of the demand [-].
 
     Parameters
@@ -150,7 +149,7 @@ def parameter_update_step(
     data: ServoData,
     controller: StateFeedback,
     sensitivity: float,
-    time: Samples,
+    time: Array,
     origin: float,
     target: float,
 ) -> Motion:
@@ -180,11 +179,11 @@ def parameter_update_step(
 def nonlinear_step(
     rig: Rig,
     controller: StateFeedback,
-    time: Samples,
+    time: Array,
     origin: float,
     target: float,
     pressure_b: float | None = None,
-    grid: Samples | None = None,
+    grid: Array | None = None,
 ) -> Motion:
     """Return the response of the non-linear plant to a step of the demand.
 

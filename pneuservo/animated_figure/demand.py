@@ -3,12 +3,10 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pneuservo.animated_figure.figure import AnimatedFigure
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
-
-Samples = NDArray[np.float64]
 
 # A motion begins after a rest, and gently: over this time it grows to its amplitude [s].
 REST, GROWTH = 0.2, 0.5
@@ -18,7 +16,7 @@ REST, GROWTH = 0.2, 0.5
 _MOST_SAMPLES = 20_000_000
 
 
-def sampled_time(duration: float, rate: float) -> Samples:
+def sampled_time(duration: float, rate: float) -> Array:
     """Return even times from 0.
 
     Parameters
@@ -43,17 +41,17 @@ def sampled_time(duration: float, rate: float) -> Samples:
             f"{duration:g} s at {rate:g} Hz are {duration * rate:.3g} samples; it has to be 1 to "
             f"{_MOST_SAMPLES:.0e}"
         )
-    time: Samples = np.arange(round(duration * rate) + 1) / rate
+    time: Array = np.arange(round(duration * rate) + 1) / rate
     return time
 
 
 def waving(
     figure: AnimatedFigure,
-    time: Samples,
+    time: Array,
     frequency: float = 1.0,
     amplitude: float = 0.25,
     moved: tuple[str, ...] | None = None,
-) -> dict[str, Samples]:
+) -> dict[str, Array]:
     """Return demands that swing about mid-stroke, each axis a little later than the one before.
 
     Parameters
@@ -94,7 +92,7 @@ def waving(
         if name not in figure.axes:
             raise InputError(f"axis {name!r} is not moved: the axes are: {', '.join(figure.axes)}")
     grown = np.clip((time - time[0] - REST) / GROWTH, 0.0, 1.0)
-    demands: dict[str, Samples] = {}
+    demands: dict[str, Array] = {}
     for place, (name, axis) in enumerate(figure.axes.items()):
         demands[name] = np.full(len(time), axis.middle)
         if name in swinging:
@@ -105,8 +103,8 @@ def waving(
 
 
 def stepping(
-    figure: AnimatedFigure, time: Samples, hold: float = 0.5, amplitude: float = 0.25
-) -> dict[str, Samples]:
+    figure: AnimatedFigure, time: Array, hold: float = 0.5, amplitude: float = 0.25
+) -> dict[str, Array]:
     """Return demands in which one axis after another steps out and back again.
 
     Parameters

@@ -4,12 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pneuservo.animated_figure.figure import FRAME, AnimatedFigure
+from pneuservo.arrays import Array
 from pneuservo.simulation import Simulation
-
-Samples = NDArray[np.float64]
 
 # A loop has settled after so many of its own settling times or so; what then moves comes from
 # elsewhere [s].
@@ -50,11 +48,11 @@ class FigureRun:
     """
 
     figure: AnimatedFigure
-    time: Samples
+    time: Array
     axes: Mapping[str, Simulation]
-    frame_displacement: Samples
-    frame_velocity: Samples
-    frame_acceleration: Samples
+    frame_displacement: Array
+    frame_velocity: Array
+    frame_acceleration: Array
 
     def frame_vibration(self, start: float = 0.0) -> float:
         """Return the root mean square acceleration of the frame [m/s^2].
@@ -66,7 +64,7 @@ class FigureRun:
         """
         return float(np.sqrt(np.mean(self.frame_acceleration[self.time >= start] ** 2)))
 
-    def angles(self) -> Samples:
+    def angles(self) -> Array:
         """Return the angles of the members from the upright.
 
         Returns
@@ -77,10 +75,10 @@ class FigureRun:
         coupling = self.figure.coupling
         rods = np.column_stack([run["displacement"] for run in self.axes.values()])
         joints = (rods - coupling.middles) / coupling.levers
-        turned: Samples = coupling.linkage.rest_angles + joints @ coupling.linkage.paths.T
+        turned: Array = coupling.linkage.rest_angles + joints @ coupling.linkage.paths.T
         return turned
 
-    def joints(self) -> Samples:
+    def joints(self) -> Array:
         """Return where the joints and the ends of the members are, seen from the front.
 
         Returns

@@ -4,11 +4,12 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pneuservo.animated_figure.figure import AnimatedFigure
 from pneuservo.animated_figure.kernel import ROD_FORCE_OUT, run_figure
 from pneuservo.animated_figure.result import FigureRun
+from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard, ContinuousController, Controller, SampledController
 from pneuservo.errors import InputError
 from pneuservo.manipulator.linkage import gravity_torque
@@ -24,8 +25,6 @@ from pneuservo.simulation.run import (
     simulation_of,
     with_card_at_rest,
 )
-
-Samples = NDArray[np.float64]
 
 # Halving it changes no displacement of the built-in arm, stepping, by more than 2 um.
 LARGEST_STEP = 50e-6
@@ -139,8 +138,8 @@ def _require_usable(controller: Controller) -> ContinuousController:
 
 
 def _demand(
-    figure: AnimatedFigure, name: str, demands: Mapping[str, ArrayLike], times: Samples
-) -> Samples:
+    figure: AnimatedFigure, name: str, demands: Mapping[str, ArrayLike], times: Array
+) -> Array:
     axis = figure.axes[name]
     values = require_samples(f"demand of {name}", demands.get(name, axis.middle), times)
     stroke = axis.rig["piston.stroke"]
@@ -155,10 +154,10 @@ def _demand(
 def _start(
     figure: AnimatedFigure,
     initial: Mapping[str, InitialState],
-    places: Samples,
+    places: Array,
     plants: list[SingleAxis],
     laws: list[ControlLaw],
-) -> Samples:
+) -> Array:
     """Return the states of the axes, by default at rest with pressures that carry the members."""
     coupling = figure.coupling
     angles = (places - coupling.middles) / coupling.levers

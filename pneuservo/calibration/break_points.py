@@ -5,14 +5,9 @@ from itertools import combinations
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.calibration.flow_curve import FlowCurve
-from pneuservo.calibration.pressure_fit import (
-    PLATEAU,
-    Array,
-    PressureFit,
-    interpolation,
-    weights,
-)
+from pneuservo.calibration.pressure_fit import PLATEAU, PressureFit, interpolation, weights
 from pneuservo.errors import InputError
 
 # Inner break points of a row, and among how many places they are first looked for.

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.calibration.flow_curve import FlowCurve
 from pneuservo.calibration.transient import Transient, in_flow
 from pneuservo.plant.dead_volume import PORT_A, PORT_B, run_dead_volume
@@ -18,8 +18,6 @@ from pneuservo.plant.valve import (
     VOLTAGE_CELLS,
 )
 from pneuservo.rigs.valve_tables import FLOW_PATHS
-
-Array = NDArray[np.float64]
 
 # Below the first break point the flow is choked and the coefficient nearly constant.
 PLATEAU = 0.05

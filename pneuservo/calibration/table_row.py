@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.calibration.break_points import found_break_points, required_break_points
 from pneuservo.calibration.flow_curve import FlowCurve, flow_curve
-from pneuservo.calibration.pressure_fit import Array, Found, PressureFit
+from pneuservo.calibration.pressure_fit import Found, PressureFit
 from pneuservo.calibration.transient import LEAK, Transient
 from pneuservo.errors import InputError
 from pneuservo.intervals import INTERVAL

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.campaign.axes import Axis, Grid, Random
 from pneuservo.campaign.metrics import OF_SET_POINTS
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig
-from pneuservo.simulation.inputs import Samples
 
 _MOST_SAMPLES = 1_000_000
 
@@ -53,8 +53,8 @@ class Campaign:
     rig: Rig
     controller: str
     options: Mapping[str, Any]
-    time: Samples
-    demand: Samples
+    time: Array
+    demand: Array
     axes: tuple[Axis, ...]
     trials: int = 1
     seed: int = 0

@@ -9,6 +9,7 @@ from analog_card.design_file import load_design
 from analog_card.imperfections import Imperfections
 from analog_card.quantities import to_si
 from analog_card.toml_file import read_toml
+from pneuservo.arrays import Array
 from pneuservo.campaign.axes import Axis, Random, read_axis
 from pneuservo.campaign.metrics import METRICS, OF_RECORDED, OF_SET_POINTS
 from pneuservo.campaign.parameters import variable_parameters
@@ -20,7 +21,7 @@ from pneuservo.recordings import read_recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
-from pneuservo.simulation.inputs import Samples, require_kind
+from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.loop_controller import CARDS, loop_controller
 
 # How many samples are drawn at each point of the grid, unless said.
@@ -163,9 +164,7 @@ def _trials(axes: list[Axis]) -> int:
     return TRIALS if any(isinstance(axis, Random) for axis in axes) else 1
 
 
-def _demand(
-    settings: Mapping[str, Any], warn: Callable[[str], None]
-) -> tuple[Rig, Samples, Samples]:
+def _demand(settings: Mapping[str, Any], warn: Callable[[str], None]) -> tuple[Rig, Array, Array]:
     """Return the rig under the conditions of the demand, and the demand over time."""
     text, name = settings["demand"], settings.get("rig")
     given = {key: settings[key] for key in ("hold", "rate") if settings.get(key) is not None}

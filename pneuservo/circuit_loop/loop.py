@@ -15,6 +15,7 @@ from analog_card.design_file import load_design
 from analog_card.netlist_text import Netlist, read_netlist
 from analog_card.ngspice import Session, Transient
 from analog_card.waveforms import Waveforms
+from pneuservo.arrays import Array
 from pneuservo.controllers import card_of
 from pneuservo.controllers.requirements import sensitivity
 from pneuservo.errors import InputError
@@ -22,7 +23,7 @@ from pneuservo.plant import from_rig
 from pneuservo.plant import single_axis as places
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, Simulation
-from pneuservo.simulation.inputs import Samples, require_kind, require_samples, require_times
+from pneuservo.simulation.inputs import require_kind, require_samples, require_times
 from pneuservo.simulation.readings import require_exact_transducers
 
 CLOSED_LOOP = netlists.BENCHES / "closed-loop.cir"
@@ -145,7 +146,7 @@ def _start(rig: Rig, first_demand: float, initial: InitialState) -> dict[str, fl
     }
 
 
-def _with_demand(netlist: Netlist, time: Samples, demand: Samples, sensitivity: float) -> Netlist:
+def _with_demand(netlist: Netlist, time: Array, demand: Array, sensitivity: float) -> Netlist:
     """Return the netlist with its source of the demand following given values, in volts."""
     volts = sensitivity * demand
     points = [(0.0, volts[0])]
@@ -161,9 +162,7 @@ def _with_demand(netlist: Netlist, time: Samples, demand: Samples, sensitivity: 
     return replace(netlist, lines=lines)
 
 
-def _channels(
-    waves: Waveforms, since: Samples, sensitivity: float
-) -> dict[str, NDArray[np.float64]]:
+def _channels(waves: Waveforms, since: Array, sensitivity: float) -> dict[str, NDArray[np.float64]]:
     channels = {"displacement": waves.at(since, "transducer") / sensitivity}
     for channel, (node, scale) in _NODES.items():
         channels[channel] = scale * waves.at(since, node)

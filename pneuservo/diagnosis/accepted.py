@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.bent_laws import bendable, explained_beyond
 from pneuservo.diagnosis.by_gain import ByGain
 from pneuservo.diagnosis.fit import Fit, explained
@@ -15,7 +16,6 @@ from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE, ByCriterion, Judge
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.models import Case
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.strained import leaves_noise, only_followed
 from pneuservo.diagnosis.unknowns import values_in_each
 from pneuservo.effects import CATALOGUE, effect_by_id

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.locate import in_all
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 
 PLACES = 5
 """A law may be more or less than was fitted at so many places along everything that was recorded,

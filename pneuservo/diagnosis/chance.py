@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import orthonormal
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.noise import surrogate
 
 _DRAWS = 100

@@ -6,8 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.hypothesis import Hypothesis
-from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.model import Values
 from pneuservo.diagnosis.problem import own_key
 from pneuservo.intervals import INTERVAL
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.judge import DECISIVE
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.model import Values
 from pneuservo.diagnosis.problem import Problem, begun_at, problem_with, problems_of
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.starts import Begin, best_start, least_of

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.fitting import fit, refitted
 from pneuservo.diagnosis.followed import likeliest_held_back
 from pneuservo.diagnosis.judge import LEAST_GAIN
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array, Table
+from pneuservo.diagnosis.models.model import Table
 from pneuservo.diagnosis.tabulated import Tabulated, of_channels, without_table
 
 BEYOND_DOUBT = 10.0 * LEAST_GAIN

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pneuservo.noise import Array
+from pneuservo.arrays import Array
 
 MAINS = (50.0, 60.0)
 """Nominal frequencies of the mains [Hz] ..."""

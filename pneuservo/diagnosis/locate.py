@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.noise import surrogate
 
 _LIFT = 1.3

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model, Unknown
-from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.model import Values
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.unknowns import (
     baseline_unknowns,

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, problems_of
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.intervals import INTERVAL

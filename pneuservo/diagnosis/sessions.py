@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit, rms
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.unknowns import values_in
 from pneuservo.diagnosis.visibility import SAME_DIRECTION, cosine, lookalikes

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.unknowns import values_in
 from pneuservo.effects import Effect

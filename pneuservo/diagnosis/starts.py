@@ -5,10 +5,10 @@ from enum import Enum
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit
 from pneuservo.diagnosis.hypothesis import Hypothesis
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.problem import Problem, begun_at, problems_of
 
 

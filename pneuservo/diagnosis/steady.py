@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.problem import Problem
 from pneuservo.diagnosis.side_by_side import side_by_side
 

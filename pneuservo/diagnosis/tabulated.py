@@ -6,10 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit, explained, rms
 from pneuservo.diagnosis.fitting import channel_scales
 from pneuservo.diagnosis.models import Case, Model
-from pneuservo.diagnosis.models.model import Array, Table, Values
+from pneuservo.diagnosis.models.model import Table, Values
 from pneuservo.diagnosis.problem import residuals_of
 from pneuservo.diagnosis.unknowns import values_in_each
 from pneuservo.intervals import INTERVAL

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.fit import Fit, orthonormal
 from pneuservo.diagnosis.judge import LEAST_GAIN
-from pneuservo.diagnosis.models.model import Array
 from pneuservo.diagnosis.search import Search
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import change_by

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.identification.least_squares import PARAMETERS, rig_of
 from pneuservo.identification.result import Estimate, Identification
@@ -12,8 +12,6 @@ from pneuservo.identification.segments import Segments, cut, run_segment, start_
 from pneuservo.identification.whiteness import whiteness
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
-
-Array = NDArray[np.float64]
 
 _POPULATION = 10
 _GENERATIONS = 40

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.identification.result import Identification, estimates
 from pneuservo.identification.signals import (
@@ -17,8 +18,6 @@ from pneuservo.noise import effective_samples
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation.inputs import require_kind
-
-Array = NDArray[np.float64]
 
 PARAMETERS = ("load.mass", "piston.viscous_friction", "piston.coulomb_friction")
 UNITS = {

@@ -4,12 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.identification.whiteness import Whiteness
 from pneuservo.intervals import INTERVAL
-
-Array = NDArray[np.float64]
 
 _ALIKE = 0.9
 """Correlation from which two values count as not told apart."""

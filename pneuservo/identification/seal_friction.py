@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.identification.least_squares import FEWEST_SAMPLES, covariance_of
 from pneuservo.identification.result import Identification, estimates
@@ -12,8 +13,6 @@ from pneuservo.identification.signals import even, filtered
 from pneuservo.identification.whiteness import whiteness
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
-
-Array = NDArray[np.float64]
 
 UNITS = {
     "piston.viscous_friction": "N*s/m",

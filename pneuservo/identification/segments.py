@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.effects import effect_by_id
 from pneuservo.errors import InputError
 from pneuservo.identification.signals import CUTOFF_FREQUENCY, even, filtered
@@ -14,8 +15,6 @@ from pneuservo.noise import noise_floor
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
-
-Array = NDArray[np.float64]
 
 OUTPUTS = ("displacement", "pressure_a", "pressure_b")
 STATES = ("displacement", "velocity", "pressure_a", "pressure_b")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import FitError, InputError
 from pneuservo.identification.least_squares import PARAMETERS, rig_of
 from pneuservo.identification.result import Identification, estimates
@@ -21,8 +21,6 @@ from pneuservo.identification.whiteness import whiteness
 from pneuservo.noise import effective_samples
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
-
-Array = NDArray[np.float64]
 
 _MOST_EVALUATIONS = 40
 # As many take some 320 MB.

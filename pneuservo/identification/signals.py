@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array, bridged
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
-
-Array = NDArray[np.float64]
 
 # Section 4.3.2.1 of the thesis.
 CUTOFF_FREQUENCY = 50.0
@@ -88,10 +87,9 @@ def even(recording: Recording, channels: tuple[str, ...]) -> tuple[Array, dict[s
     time = np.asarray(first + recording.sampling_interval * np.arange(count), dtype=np.float64)
     samples: dict[str, Array] = {}
     for name in channels:
-        good = np.isfinite(recording[name])
-        if good.sum() < 2:
+        if np.isfinite(recording[name]).sum() < 2:
             raise InputError(f"{recording.name}: channel {name} has no readings")
-        samples[name] = np.interp(time, recording.time[good], recording[name][good])
+        samples[name] = np.interp(time, recording.time, bridged(recording.time, recording[name]))
     return time, samples
 
 

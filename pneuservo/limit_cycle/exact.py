@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from threadpoolctl import threadpool_limits
 
+from pneuservo.arrays import Array
 from pneuservo.limit_cycle.cycle import Cycle
 from pneuservo.limit_cycle.loop import Loop, loop_system
-
-Matrix = NDArray[np.float64]
 
 # Periods looked at [Hz], and samples of a cycle at which it is checked and its extremes read.
 LOWEST, HIGHEST, PERIODS, SAMPLES = 5.0, 5e3, 400, 400
@@ -29,17 +27,17 @@ _LARGEST_CONDITION = 1e12
 class _OpenLoop:
     """Rate a x + b u, surface with its sign turned c x, displacement error e x."""
 
-    a: Matrix
-    b: Matrix
-    c: Matrix
-    e: Matrix
+    a: Array
+    b: Array
+    c: Array
+    e: Array
 
     @classmethod
     def of(cls, loop: Loop) -> "_OpenLoop":
         system = loop_system(loop)
         return cls(system.A, system.B[:, 0], system.C[0], system.C[1])
 
-    def held(self, duration: float) -> tuple[Matrix, Matrix]:
+    def held(self, duration: float) -> tuple[Array, Array]:
         """Return what carries the state over a time, and what a held volt adds."""
         n = len(self.a)
         block = np.zeros((n + 1, n + 1))
@@ -114,7 +112,7 @@ def _durations(loop: Loop, period: float) -> tuple[float, float]:
     return positive, period - positive
 
 
-def _state_at_switchings(system: _OpenLoop, loop: Loop, period: float) -> tuple[Matrix, Matrix]:
+def _state_at_switchings(system: _OpenLoop, loop: Loop, period: float) -> tuple[Array, Array]:
     """Return the states where the voltage becomes positive, on the surface, and negative."""
     (first, second), (up, down) = _durations(loop, period), loop.levels
     carry_1, add_1 = system.held(first)
@@ -152,7 +150,7 @@ def _continuous_cycle(system: _OpenLoop, loop: Loop, period: float) -> Cycle | N
     )
 
 
-def _course(system: _OpenLoop, start: Matrix, duration: float, voltage: float) -> Matrix:
+def _course(system: _OpenLoop, start: Array, duration: float, voltage: float) -> Array:
     """Return states in the middles of equal parts of a time."""
     half_carry, half_add = system.held(0.5 * duration / SAMPLES)
     carry, add = system.held(duration / SAMPLES)
@@ -163,7 +161,7 @@ def _course(system: _OpenLoop, start: Matrix, duration: float, voltage: float) -
     return states
 
 
-def _is_stable(system: _OpenLoop, loop: Loop, start: Matrix, middle: Matrix, period: float) -> bool:
+def _is_stable(system: _OpenLoop, loop: Loop, start: Array, middle: Array, period: float) -> bool:
     (first, second), (up, down) = _durations(loop, period), loop.levels
     n = len(start)
     total = np.eye(n)
@@ -204,7 +202,7 @@ def _sampled_cycles(loop: Loop) -> list[Cycle]:
     return cycles[::-1]
 
 
-def _surface_of_half(system: _OpenLoop, start: Matrix, level: float, half: int) -> Matrix:
+def _surface_of_half(system: _OpenLoop, start: Array, level: float, half: int) -> Array:
     sigma = np.empty(half)
     state = start
     for k in range(half):
@@ -213,7 +211,7 @@ def _surface_of_half(system: _OpenLoop, start: Matrix, level: float, half: int) 
     return sigma
 
 
-def _stays_bounded(carry: Matrix) -> bool:
+def _stays_bounded(carry: Array) -> bool:
     """Return whether powers of a matrix do not grow, neither by a power nor in proportion.
 
     The eigenvalues alone do not tell: bilinear differences have a double one at -1, whose ringing

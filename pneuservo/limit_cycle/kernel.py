@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.control_law import ControlLaw, limited
 from pneuservo.plant.events import settle
@@ -23,8 +23,6 @@ from pneuservo.plant.single_axis import (
     SingleAxis,
     piston_force,
 )
-
-Samples = NDArray[np.float64]
 
 # Columns of the result of `run_in_ticks`.
 OUTPUTS = ("displacement", "velocity", "acceleration", "surface", "valve_voltage")
@@ -50,14 +48,14 @@ def limited_switch(surface: float, level: float, layer: float) -> float:
 
 @compiled
 def linear_step(
-    state: Samples,
-    inputs: Samples,
-    a: Samples,
-    b: Samples,
-    c: Samples,
-    d: Samples,
-    work: Samples,
-    outputs: Samples,
+    state: Array,
+    inputs: Array,
+    a: Array,
+    b: Array,
+    c: Array,
+    d: Array,
+    work: Array,
+    outputs: Array,
 ) -> None:
     """Write the outputs of a discrete linear system and advance it by one step.
 
@@ -98,16 +96,16 @@ def run_in_ticks(
     tick: float,
     hold: int,
     demand: float,
-    initial_state: Samples,
-    path: tuple[Samples, Samples, Samples, Samples],
-    path_state: Samples,
-    surface: tuple[Samples, Samples, Samples, Samples, Samples],
+    initial_state: Array,
+    path: tuple[Array, Array, Array, Array],
+    path_state: Array,
+    surface: tuple[Array, Array, Array, Array, Array],
     level: float,
     layer: float,
     law: ControlLaw,
     plant: SingleAxis,
-    grid: Samples,
-) -> Samples:
+    grid: Array,
+) -> Array:
     """Return what the plant does under a controller that acts in ticks.
 
     Parameters

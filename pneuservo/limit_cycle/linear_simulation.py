@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from threadpoolctl import threadpool_limits
 
+from pneuservo.arrays import Array
 from pneuservo.limit_cycle.loop import Loop, loop_system
-
-Matrix = NDArray[np.float64]
 
 # Demand less displacement at the start, and how long the loop is followed: the thesis' step.
 START_ERROR, DURATION = 9e-3, 0.4
@@ -40,10 +38,10 @@ class StepCourse:
         Whether the controller is digital: the surface then holds from sample to sample.
     """
 
-    time: Matrix
-    surface: Matrix
-    error: Matrix
-    voltage: Matrix
+    time: Array
+    surface: Array
+    error: Array
+    voltage: Array
     sampled: bool
 
 
@@ -91,7 +89,7 @@ def simulate_linear(
     return StepCourse(time, -states @ c, -states @ e, voltage, sampled=False)
 
 
-def simulate_sampled(loop: Loop, start_errors: Matrix, duration: float) -> list[StepCourse]:
+def simulate_sampled(loop: Loop, start_errors: Array, duration: float) -> list[StepCourse]:
     """Simulate the linear servo under a digital controller from several starts at once.
 
     Parameters
@@ -120,7 +118,7 @@ def simulate_sampled(loop: Loop, start_errors: Matrix, duration: float) -> list[
     ]
 
 
-def output(loop: Loop, surface: Matrix | float) -> Matrix:
+def output(loop: Loop, surface: Array | float) -> Array:
     """Return what acts on the servo for values of the surface, with the loop's asymmetry [V].
 
     Parameters
@@ -146,20 +144,20 @@ def output(loop: Loop, surface: Matrix | float) -> Matrix:
     return share * np.where(value >= 0.0, up, down)
 
 
-def _at_rest(loop: Loop, a: Matrix, e: Matrix) -> Matrix:
+def _at_rest(loop: Loop, a: Array, e: Array) -> Array:
     """Return the state with everything at rest, filters and memories included, 1 m beyond.
 
     It is what the open loop leaves as it is: its rate, or its change per sample, vanishes.
     """
     change = a - np.eye(len(a)) if loop.signals.sampled else a
     vector = np.linalg.svd(change)[2][-1]
-    rest: Matrix = vector / (e @ vector)
+    rest: Array = vector / (e @ vector)
     return rest
 
 
 def _sampled(
-    loop: Loop, a: Matrix, b: Matrix, c: Matrix, start: Matrix, duration: float
-) -> tuple[Matrix, Matrix]:
+    loop: Loop, a: Array, b: Array, c: Array, start: Array, duration: float
+) -> tuple[Array, Array]:
     """Return states and voltages at every sample; a start may have several rows."""
     count = math.floor(duration / loop.signals.sampling_time + 1e-9) + 1
     states, voltage = np.empty((count, *start.shape)), np.empty((count, *start.shape[:-1]))
@@ -175,21 +173,21 @@ def _sampled(
 class _Region:
     """Where the loop is linear: rate = matrix [state, 1] while low <= surface <= high."""
 
-    matrix: Matrix
+    matrix: Array
     low: float
     high: float
 
     @cached_property
-    def over_interval(self) -> Matrix:
+    def over_interval(self) -> Array:
         """Return what carries the state over one interval."""
-        carried: Matrix = expm(self.matrix * INTERVAL)
+        carried: Array = expm(self.matrix * INTERVAL)
         return carried
 
 
 class _Switching:
     """An analogue loop in its linear regions."""
 
-    def __init__(self, loop: Loop, a: Matrix, b: Matrix, c: Matrix) -> None:
+    def __init__(self, loop: Loop, a: Array, b: Array, c: Array) -> None:
         up, down = loop.levels
         layer = loop.boundary_layer
         self.loop, self.c = loop, np.append(c, 0.0)
@@ -207,7 +205,7 @@ class _Switching:
             self.sliding = _Region(_augmented(a + np.outer(b, equivalent), 0.0 * b), 0.0, 0.0)
             self.equivalent = np.append(equivalent, 0.0)
 
-    def run(self, start: Matrix, duration: float) -> tuple[Matrix, Matrix]:
+    def run(self, start: Array, duration: float) -> tuple[Array, Array]:
         """Return states and voltages at every interval."""
         count = round(duration / INTERVAL) + 1
         states, voltage = np.empty((count, len(start))), np.empty(count)
@@ -224,8 +222,8 @@ class _Switching:
     def _region_of(self, surface: float) -> _Region:
         return next(region for region in self.regions if region.low <= surface <= region.high)
 
-    def _over_interval(self, state: Matrix, region: _Region) -> tuple[Matrix, _Region]:
-        ahead: Matrix = region.over_interval @ state
+    def _over_interval(self, state: Array, region: _Region) -> tuple[Array, _Region]:
+        ahead: Array = region.over_interval @ state
         remaining = INTERVAL
         for _ in range(_MOST_SWITCHINGS):
             if region is self.sliding:
@@ -245,7 +243,7 @@ class _Switching:
             ahead = expm(region.matrix * remaining) @ state
         return ahead, region
 
-    def _crossing(self, state: Matrix, region: _Region, remaining: float, bound: float) -> float:
+    def _crossing(self, state: Array, region: _Region, remaining: float, bound: float) -> float:
         def beyond(passed: float) -> float:
             return float(-self.c @ (expm(region.matrix * passed) @ state)) - bound
 
@@ -255,7 +253,7 @@ class _Switching:
             return first
         return float(brentq(beyond, first, remaining, xtol=1e-15))
 
-    def _next(self, state: Matrix, region: _Region, bound: float) -> _Region:
+    def _next(self, state: Array, region: _Region, bound: float) -> _Region:
         place = self.regions.index(region)
         neighbour = self.regions[place + (1 if bound == region.high else -1)]
         if self.sliding is None:
@@ -266,7 +264,7 @@ class _Switching:
         return self.sliding if returns else neighbour
 
 
-def _augmented(a: Matrix, constant: Matrix) -> Matrix:
+def _augmented(a: Array, constant: Array) -> Array:
     n = len(a)
     block = np.zeros((n + 1, n + 1))
     block[:n, :n], block[:n, n] = a, constant

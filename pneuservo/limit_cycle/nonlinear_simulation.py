@@ -4,8 +4,8 @@ import math
 
 import control
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.limit_cycle.kernel import OUTPUTS, run_in_ticks
 from pneuservo.limit_cycle.linear_simulation import DURATION, START_ERROR, StepCourse
 from pneuservo.limit_cycle.loop import Loop, signal_path, surface_filter
@@ -15,8 +15,6 @@ from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState
 from pneuservo.simulation.inputs import require_kind
-
-Samples = NDArray[np.float64]
 
 # Step of the plant and of an analogue controller: a switching comes up to one late [s].
 TICK = 5e-6
@@ -30,7 +28,7 @@ def simulate_nonlinear(
     displacement: float = 0.015,
     start_error: float = START_ERROR,
     duration: float = DURATION,
-    grid: Samples | None = None,
+    grid: Array | None = None,
 ) -> StepCourse:
     """Simulate the non-linear plant under the controller of a loop, from rest.
 
@@ -124,14 +122,14 @@ def _ticks(loop: Loop) -> tuple[float, int]:
     return period / hold, hold
 
 
-def _at_rest(system: control.StateSpace, inputs: Samples) -> tuple[Samples, Samples]:
+def _at_rest(system: control.StateSpace, inputs: Array) -> tuple[Array, Array]:
     """Return the state of a discrete system after a long time at constant inputs, and outputs."""
     n = system.nstates
     state = np.linalg.solve(np.eye(n) - system.A, system.B @ inputs) if n else np.zeros(0)
     return state, system.C @ state + system.D @ inputs
 
 
-def _matrices(system: control.StateSpace) -> tuple[Samples, Samples, Samples, Samples]:
+def _matrices(system: control.StateSpace) -> tuple[Array, Array, Array, Array]:
     a, b, c, d = (
         np.ascontiguousarray(matrix, dtype=float)
         for matrix in (system.A, system.B, system.C, system.D)

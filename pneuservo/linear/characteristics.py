@@ -4,14 +4,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.linear.models import advanced_servo, transfer_function
 from pneuservo.linear.servo_data import ServoData
-
-Samples = NDArray[np.float64]
 
 
 def natural_frequency(servo: LinearServo) -> float:
@@ -94,14 +92,14 @@ class OverStroke:
         Ultimate gain [V/m].
     """
 
-    displacement: Samples
-    natural_frequency: Samples
-    damping_ratio: Samples
-    gain_extending: Samples
-    gain_retracting: Samples
+    displacement: Array
+    natural_frequency: Array
+    damping_ratio: Array
+    gain_extending: Array
+    gain_retracting: Array
 
 
-def over_stroke(data: ServoData, displacement: Samples | None = None) -> OverStroke:
+def over_stroke(data: ServoData, displacement: Array | None = None) -> OverStroke:
     """Return natural frequency, damping and ultimate gain over the stroke and both directions.
 
     Parameters

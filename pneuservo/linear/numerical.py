@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import root
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.plant import from_rig
 from pneuservo.plant import single_axis as places
@@ -17,7 +17,6 @@ from pneuservo.rigs import Rig
 if TYPE_CHECKING:
     from control import StateSpace
 
-Samples = NDArray[np.float64]
 
 # States of the piston and its chambers, and the sizes by which they are varied: m, m/s, Pa, Pa.
 _STATES = (places.DISPLACEMENT, places.VELOCITY, places.PRESSURE_A, places.PRESSURE_B)
@@ -48,7 +47,7 @@ class OperatingPoint:
 
 
 def steady_motion(
-    rig: Rig, displacement: float, voltage: float, grid: Samples | None = None
+    rig: Rig, displacement: float, voltage: float, grid: Array | None = None
 ) -> OperatingPoint:
     """Return velocity and pressures of the non-linear plant in steady motion past a position.
 
@@ -78,7 +77,7 @@ def steady_motion(
     supply = rig["supply.pressure"]
     scale = np.array([voltage, supply, supply])
 
-    def imbalance(unknown: Samples) -> Samples:
+    def imbalance(unknown: Array) -> Array:
         velocity, pressure_a, pressure_b = unknown * scale
         point = OperatingPoint(displacement, velocity, pressure_a, pressure_b, voltage)
         rate = _rates(rig, point, grid)
@@ -96,7 +95,7 @@ def steady_motion(
     return OperatingPoint(displacement, velocity, pressure_a, pressure_b, voltage)
 
 
-def linearised_plant(rig: Rig, point: OperatingPoint, grid: Samples | None = None) -> "StateSpace":
+def linearised_plant(rig: Rig, point: OperatingPoint, grid: Array | None = None) -> "StateSpace":
     """Return the plant's kernels linearised by central differences, without the spool's dynamics.
 
     Parameters
@@ -141,7 +140,7 @@ def _moved(point: OperatingPoint, name: str, by: float) -> OperatingPoint:
     return OperatingPoint(**values)
 
 
-def _rates(rig: Rig, point: OperatingPoint, grid: Samples | None) -> Samples:
+def _rates(rig: Rig, point: OperatingPoint, grid: Array | None) -> Array:
     """Return the rates of displacement, velocity and both pressures by the plant's kernel."""
     plant = from_rig.single_axis(rig)
     state = np.zeros(places.PLANT_STATES)

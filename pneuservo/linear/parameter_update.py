@@ -4,14 +4,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.linear.models import advanced_servo
 from pneuservo.linear.servo_data import ServoData
 
-Samples = NDArray[np.float64]
 # Voltage from time [s], displacement [m], velocity [m/s] and acceleration [m/s2].
 Law = Callable[[float, float, float, float], float]
 
@@ -26,10 +25,10 @@ class Motion:
         [s], [m], [m/s], [m/s2].
     """
 
-    time: Samples
-    displacement: Samples
-    velocity: Samples
-    acceleration: Samples
+    time: Array
+    displacement: Array
+    velocity: Array
+    acceleration: Array
 
 
 def parameter_update_jerk(
@@ -56,7 +55,7 @@ def parameter_update_jerk(
 
 
 def parameter_update_response(
-    data: ServoData, law: Law, time: Samples, displacement: float
+    data: ServoData, law: Law, time: Array, displacement: float
 ) -> Motion:
     """Return the motion of the parameter-update model from rest under a continuous law.
 
@@ -82,7 +81,7 @@ def parameter_update_response(
         When the integration fails.
     """
 
-    def rate(t: float, state: Samples) -> list[float]:
+    def rate(t: float, state: Array) -> list[float]:
         x, v, a = (float(value) for value in state)
         voltage = float(np.clip(law(t, x, v, a), -data.full_voltage, data.full_voltage))
         return [v, a, parameter_update_jerk(data, x, v, a, voltage)]

@@ -5,13 +5,11 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.manipulator.controllers import VELOCITY_GAIN, Motion, servo_acceleration
 from pneuservo.manipulator.manipulator import Manipulator, bounds, nominal
-
-Vector = NDArray[np.float64]
 
 
 @dataclass
@@ -51,10 +49,10 @@ class VariableStructureAdaptive:
 
     kind: ClassVar[str] = "variable-structure-adaptive"
     model: Manipulator = field(default_factory=nominal)
-    limits: Vector = field(default_factory=bounds)
+    limits: Array = field(default_factory=bounds)
     boundary_layer: float = 0.02
     slope: float = 2.0
-    estimates: Vector = field(init=False)
+    estimates: Array = field(init=False)
 
     def __post_init__(self) -> None:
         """Start between the bounds."""
@@ -70,16 +68,16 @@ class VariableStructureAdaptive:
             )
         self.estimates = self.limits.mean(axis=0)
 
-    def torque(self, measured: Motion, demanded: Motion) -> Vector:
+    def torque(self, measured: Motion, demanded: Motion) -> Array:
         """Return the torques until the next sample, having switched; see `Controller`."""
         self.estimates = self._switched(measured, demanded)
         wanted = servo_acceleration(measured, demanded)
-        torque: Vector = (
+        torque: Array = (
             self.model.regressor(measured.angles, measured.rates, wanted) @ self.estimates
         )
         return torque
 
-    def _switched(self, measured: Motion, demanded: Motion) -> Vector:
+    def _switched(self, measured: Motion, demanded: Motion) -> Array:
         """Return the estimates by (A1.24) and (A1.25)."""
         low, high = self.limits
         error = demanded.rates - measured.rates + self.slope * (demanded.angles - measured.angles)
@@ -91,10 +89,10 @@ class VariableStructureAdaptive:
             share = np.sign(error @ influence)
         return 0.5 * (high + low) + 0.5 * (high - low) * share
 
-    def _now(self, measured: Motion) -> Vector:
+    def _now(self, measured: Motion) -> Array:
         return self.model.regressor(measured.angles, measured.rates, measured.accelerations)
 
-    def _estimated_inertia(self, angles: Vector) -> Vector:
+    def _estimated_inertia(self, angles: Array) -> Array:
         """Return the mass matrix by the estimates of the last sample."""
         still = np.zeros(2)
         held = self.model.regressor(angles, still, still)

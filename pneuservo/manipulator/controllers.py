@@ -5,11 +5,9 @@ from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.manipulator.manipulator import Manipulator, nominal, printed_state_feedback
-
-Vector = NDArray[np.float64]
 
 # Every loop is asked for (s + 4)^2, equation (A1.8): a double pole, settled in about a second.
 POLE = 4.0
@@ -19,11 +17,11 @@ POSITION_GAIN, VELOCITY_GAIN = POLE * POLE, 2.0 * POLE
 class Motion(NamedTuple):
     """Where the joints are, or should be."""
 
-    angles: Vector
+    angles: Array
     """(2,) [rad]."""
-    rates: Vector
+    rates: Array
     """(2,) [rad/s]."""
-    accelerations: Vector
+    accelerations: Array
     """(2,) [rad/s^2]."""
 
 
@@ -32,7 +30,7 @@ class Controller(Protocol):
 
     kind: ClassVar[str]
 
-    def torque(self, measured: Motion, demanded: Motion) -> Vector:
+    def torque(self, measured: Motion, demanded: Motion) -> Array:
         """Return the torques until the next sample [N m].
 
         Parameters
@@ -44,7 +42,7 @@ class Controller(Protocol):
         """
 
 
-def demanded_motion(time: float, targets: Vector, pole: float = POLE) -> Motion:
+def demanded_motion(time: float, targets: Array, pole: float = POLE) -> Motion:
     """Return a step through a critically damped filter of second order, with its derivatives.
 
     Parameters
@@ -70,7 +68,7 @@ def demanded_motion(time: float, targets: Vector, pole: float = POLE) -> Motion:
     )
 
 
-def gravity_compensation(model: Manipulator, angles: Vector) -> Vector:
+def gravity_compensation(model: Manipulator, angles: Array) -> Array:
     """Return the torques that hold the links where they are [N m].
 
     Parameters
@@ -81,11 +79,11 @@ def gravity_compensation(model: Manipulator, angles: Vector) -> Vector:
         Measured [rad].
     """
     still = np.zeros(2)
-    torque: Vector = model.regressor(angles, still, still) @ model.parameters
+    torque: Array = model.regressor(angles, still, still) @ model.parameters
     return torque
 
 
-def joint_models(model: Manipulator) -> tuple[Vector, Vector]:
+def joint_models(model: Manipulator) -> tuple[Array, Array]:
     """Return a and b of the joints' own models a/(s (s + b)), other joints taken as disturbance.
 
     Parameters
@@ -113,7 +111,7 @@ def _constant_inertias(model: Manipulator) -> tuple[float, float]:
     return j1 + m1 * lc1 * lc1 + m2 * model.length * model.length, j2 + m2 * lc2 * lc2
 
 
-def decoupling_gain(model: Manipulator) -> Vector:
+def decoupling_gain(model: Manipulator) -> Array:
     """Return the state-feedback gain that gives both joints (s + 4)^2, without coupling.
 
     Parameters
@@ -169,12 +167,12 @@ class ProportionalDerivative:
     model: Manipulator = field(default_factory=nominal)
 
     @property
-    def gains(self) -> tuple[Vector, Vector]:
+    def gains(self) -> tuple[Array, Array]:
         """Return kp [V/rad] and kd [V s/rad] of the joints."""
         a, b = joint_models(self.model)
         return POSITION_GAIN / a, (VELOCITY_GAIN - b) / a
 
-    def torque(self, measured: Motion, demanded: Motion) -> Vector:
+    def torque(self, measured: Motion, demanded: Motion) -> Array:
         """Return the torques until the next sample; see `Controller`."""
         proportional, derivative = self.gains
         a, _ = joint_models(self.model)
@@ -205,10 +203,10 @@ class StateFeedback:
     """
 
     kind: ClassVar[str] = "state-feedback"
-    gain: Vector = field(default_factory=printed_state_feedback)
+    gain: Array = field(default_factory=printed_state_feedback)
     model: Manipulator = field(default_factory=nominal)
 
-    def torque(self, measured: Motion, demanded: Motion) -> Vector:
+    def torque(self, measured: Motion, demanded: Motion) -> Array:
         """Return the torques until the next sample; see `Controller`."""
         error = np.empty(4)
         error[0::2] = demanded.angles - measured.angles
@@ -219,7 +217,7 @@ class StateFeedback:
         )
 
 
-def servo_acceleration(measured: Motion, demanded: Motion) -> Vector:
+def servo_acceleration(measured: Motion, demanded: Motion) -> Array:
     """Return the acceleration that brings the error to zero along (s + 4)^2 [rad/s^2].
 
     Parameters
@@ -255,10 +253,10 @@ class ComputedTorque:
     kind: ClassVar[str] = "computed-torque"
     model: Manipulator = field(default_factory=nominal)
 
-    def torque(self, measured: Motion, demanded: Motion) -> Vector:
+    def torque(self, measured: Motion, demanded: Motion) -> Array:
         """Return the torques until the next sample; see `Controller`."""
         wanted = servo_acceleration(measured, demanded)
-        torque: Vector = (
+        torque: Array = (
             self.model.regressor(measured.angles, measured.rates, wanted) @ self.model.parameters
         )
         return torque

@@ -8,13 +8,12 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.manipulator.linkage import Link, Linkage, linkage_of
 
 Pair = tuple[float, float]
-Vector = NDArray[np.float64]
 
 GRAVITY = 9.81
 
@@ -98,11 +97,11 @@ class Manipulator:
         return linkage_of([Link(m1, j1, lc1, self.length), Link(m2, j2, lc2, 0.0, carrier=0)])
 
     @property
-    def parameters(self) -> Vector:
+    def parameters(self) -> Array:
         """Return p = [m1, m2, J1, J2, k1, k2], in SI."""
         return np.array([*self.masses, *self.inertias, *self.frictions])
 
-    def regressor(self, angles: Vector, rates: Vector, accelerations: Vector) -> Vector:
+    def regressor(self, angles: Array, rates: Array, accelerations: Array) -> Array:
         """Return W of the torques W p, which depends on the lengths only.
 
         Parameters
@@ -160,7 +159,7 @@ def nominal() -> Manipulator:
 
 
 @cache
-def bounds() -> Vector:
+def bounds() -> Array:
     """Return the bounds of table A1.3 on `Manipulator.parameters`.
 
     Returns
@@ -174,7 +173,7 @@ def bounds() -> Vector:
 
 
 @cache
-def printed_state_feedback() -> Vector:
+def printed_state_feedback() -> Array:
     """Return the gain matrix (A1.12), on [theta1, theta1', theta2, theta2'] [V/rad], [V s/rad]."""
     return np.array(_document()["state_feedback"]["gain"])
 

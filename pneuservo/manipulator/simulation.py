@@ -4,16 +4,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.manipulator.controllers import Controller, Motion, demanded_motion
 from pneuservo.manipulator.linkage import gravity_torque, mass_matrix, velocity_torque
 from pneuservo.manipulator.manipulator import GRAVITY, Manipulator, nominal
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.copying import put
-
-Vector = NDArray[np.float64]
 
 # The references of the appendix [rad].
 TARGETS = (1.0, 0.5)
@@ -35,25 +34,25 @@ class ManipulatorRun:
         Of the parameters, for a controller that adapts them.
     """
 
-    time: Vector
-    angles: Vector
-    demanded: Vector
-    torques: Vector
-    estimates: Vector | None = None
+    time: Array
+    angles: Array
+    demanded: Array
+    torques: Array
+    estimates: Array | None = None
 
     @property
-    def highest(self) -> Vector:
+    def highest(self) -> Array:
         """Return the largest angle each joint came to [rad]."""
-        highest: Vector = self.angles.max(axis=0)
+        highest: Array = self.angles.max(axis=0)
         return highest
 
     @property
-    def final(self) -> Vector:
+    def final(self) -> Array:
         """Return the mean angles of the last tenth of the run [rad]."""
-        final: Vector = self.angles[-max(len(self.time) // 10, 1) :].mean(axis=0)
+        final: Array = self.angles[-max(len(self.time) // 10, 1) :].mean(axis=0)
         return final
 
-    def swing(self, share: float = 0.1) -> Vector:
+    def swing(self, share: float = 0.1) -> Array:
         """Return the range of the angles over the end of the run [rad].
 
         Parameters
@@ -62,7 +61,7 @@ class ManipulatorRun:
             Of the run, counted from its end [-].
         """
         last = max(round(share * len(self.time)), 1)
-        swing: Vector = np.ptp(self.angles[-last:], axis=0)
+        swing: Array = np.ptp(self.angles[-last:], axis=0)
         return swing
 
 
@@ -115,7 +114,7 @@ def simulate_manipulator(
     linkage, friction = moved.linkage, np.array(moved.frictions)
     ends = np.asarray(targets, dtype=float)
     samples = round(duration / sampling_time) + 1
-    time: Vector = sampling_time * np.arange(samples, dtype=np.float64)
+    time: Array = sampling_time * np.arange(samples, dtype=np.float64)
     angles, demanded, torques = np.zeros((3, samples, 2))
     estimates = np.zeros((samples, 6)) if hasattr(controller, "estimates") else None
     state, accelerations = np.zeros((2, 2)), np.zeros(2)

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from analog_card.files import write_whole
+from pneuservo.arrays import Array
 from pneuservo.effects import Effect
 from pneuservo.recordings import CHANNELS
 from pneuservo.report.picture_files import write_picture
-from pneuservo.report.signature_runs import Samples, runs_of
+from pneuservo.report.signature_runs import runs_of
 from pneuservo.report.signatures import Signature, signature_of
 from pneuservo.report.svg import BASELINE, GUILTY, MEASURED, REPAIRED
 from pneuservo.report.words import quantity
@@ -84,9 +85,7 @@ def draw_run(signature: Signature, ax: "Axes") -> "Axes":
     return _labelled(ax, f"{_words(channel)}\n[{unit}]")
 
 
-def draw_change(
-    time: Samples, label: str, unit: str, curves: dict[str, Samples], ax: "Axes"
-) -> "Axes":
+def draw_change(time: Array, label: str, unit: str, curves: dict[str, Array], ax: "Axes") -> "Axes":
     """Draw what an effect changes in one kind of quantity.
 
     Parameters
@@ -171,7 +170,7 @@ def catalogue_page(kind: str, effects: Iterable[Effect]) -> str:
     return render("catalogue_page.html", rig=load_rig(kind), effects=shown)
 
 
-def _panels(signature: Signature) -> list[tuple[str, str, dict[str, Samples]]]:
+def _panels(signature: Signature) -> list[tuple[str, str, dict[str, Array]]]:
     """Return label, SI unit and curves of each panel; what does not change has none."""
     if "displacement" not in signature.without:
         return [

@@ -4,16 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models import AnalogueCardModel, model_of
 from pneuservo.effects import Effect
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
 
-Samples = NDArray[np.float64]
-Channels = dict[str, Samples]
+Channels = dict[str, Array]
 Run = Callable[[Effect, Mapping[str, float]], Channels]
 """From an effect and its values to what is read: channels by name, the ``time`` among them [SI]."""
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.effects import Effect
 from pneuservo.recordings import CHANNELS
-from pneuservo.report.signature_runs import Run, Samples, runs_of
+from pneuservo.report.signature_runs import Run, runs_of
 
 RESOLUTION = {"m": 7.3e-6, "Pa": 500.0, "N": 0.12, "V": 4.9e-3}
 """By unit, what a conversion of 12 bit just tells apart [SI]: of 30 mm and 20 bar as in thesis
@@ -42,11 +43,11 @@ class Signature:
 
     effect: Effect
     values: Mapping[str, float]
-    time: Samples
-    without: Mapping[str, Samples]
-    present: Mapping[str, Samples]
+    time: Array
+    without: Mapping[str, Array]
+    present: Mapping[str, Array]
 
-    def change(self, channel: str) -> Samples:
+    def change(self, channel: str) -> Array:
         """Return what the effect changes in a channel [SI]."""
         return self.present[channel] - self.without[channel]
 

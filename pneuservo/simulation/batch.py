@@ -7,6 +7,7 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import (
     AnalogueCard,
     ContinuousController,
@@ -18,13 +19,7 @@ from pneuservo.naming import require_known
 from pneuservo.plant.outputs import OUTPUTS
 from pneuservo.rigs import Rig
 from pneuservo.simulation.initial_state import InitialState
-from pneuservo.simulation.inputs import (
-    LARGEST_STEP,
-    Samples,
-    require_kind,
-    require_samples,
-    require_times,
-)
+from pneuservo.simulation.inputs import LARGEST_STEP, require_kind, require_samples, require_times
 from pneuservo.simulation.single_runs import SingleRuns
 from pneuservo.simulation.trials import (
     processors,
@@ -198,12 +193,12 @@ def places_of(channels: Sequence[str]) -> list[int]:
 
 
 def _inputs(
-    times: Samples,
+    times: Array,
     command: ArrayLike | None,
     controller: object | None,
     demand: ArrayLike | None,
     external_force: ArrayLike,
-) -> Samples:
+) -> Array:
     if (command is None) == (controller is None):
         raise InputError("give either a command or a controller with a demand")
     if controller is None:
@@ -215,7 +210,7 @@ def _inputs(
     return np.column_stack((held, require_samples("external_force", external_force, times)))
 
 
-def _columns(values: Mapping[str, ArrayLike], count: int | None) -> dict[str, Samples]:
+def _columns(values: Mapping[str, ArrayLike], count: int | None) -> dict[str, Array]:
     """Return the values of all runs, each parameter as many."""
     arrays = {key: np.asarray(value, dtype=float) for key, value in values.items()}
     for key, array in arrays.items():

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig, load_rig
-
-Samples = NDArray[np.float64]
 
 # Against a step of 1 us no channel is off by more than 3e-6 of its range, a relay loop by 5e-5.
 LARGEST_STEP = 20e-6
@@ -32,10 +31,10 @@ class Driven:
         Of the source, straight between the times; None for the rig's [Pa].
     """
 
-    time: Samples
-    held: Samples
-    force: Samples
-    supply_pressure: Samples | None = None
+    time: Array
+    held: Array
+    force: Array
+    supply_pressure: Array | None = None
 
 
 def require_kind(rig: Rig | str, kind: str, effects: bool = False) -> Rig:
@@ -75,7 +74,7 @@ def require_kind(rig: Rig | str, kind: str, effects: bool = False) -> Rig:
     return rig
 
 
-def require_times(time: ArrayLike) -> Samples:
+def require_times(time: ArrayLike) -> Array:
     """Return times as the kernels take them, refusing any that do not increase [s]."""
     times = np.array(time, dtype=float, order="C")
     if times.ndim != 1 or len(times) < 2:
@@ -97,7 +96,7 @@ def require_times(time: ArrayLike) -> Samples:
     return times
 
 
-def require_samples(name: str, values: ArrayLike | None, times: Samples) -> Samples:
+def require_samples(name: str, values: ArrayLike | None, times: Array) -> Array:
     """Return one value for every time as the kernels take them, refusing missing ones."""
     samples = np.array(values, dtype=float, order="C")
     if samples.ndim == 0:
@@ -112,6 +111,6 @@ def require_samples(name: str, values: ArrayLike | None, times: Samples) -> Samp
     return samples
 
 
-def _first_bad(values: Samples) -> str:
+def _first_bad(values: Array) -> str:
     k = int(np.argmin(np.isfinite(values)))
     return f"is {values[k]} at sample {k}"

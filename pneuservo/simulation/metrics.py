@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Samples = NDArray[np.float64]
+from pneuservo.arrays import Array
 
 # Share of a hold, at its end, over which what is left of error and chatter is taken.
 _FINAL_SHARE = 0.2
@@ -92,7 +91,7 @@ class Swing:
     size: float
 
 
-def holds(demand: Samples) -> list[slice]:
+def holds(demand: Array) -> list[slice]:
     """Return the stretches of a demand between its changes, the one before the first included.
 
     Parameters
@@ -110,7 +109,7 @@ def holds(demand: Samples) -> list[slice]:
 
 
 def step_responses(
-    time: Samples, demand: Samples, displacement: Samples, band: float = 0.02
+    time: Array, demand: Array, displacement: Array, band: float = 0.02
 ) -> list[StepResponse]:
     """Return how a loop answered every change of its demand.
 
@@ -137,7 +136,7 @@ def step_responses(
     ]
 
 
-def limit_cycle(time: Samples, signal: Samples) -> LimitCycle | None:
+def limit_cycle(time: Array, signal: Array) -> LimitCycle | None:
     """Return the limit cycle of a signal that swings about zero, such as the switching function.
 
     Parameters
@@ -183,7 +182,7 @@ def limit_cycle(time: Samples, signal: Samples) -> LimitCycle | None:
     )
 
 
-def limit_cycles(time: Samples, demand: Samples, signal: Samples) -> list[LimitCycle]:
+def limit_cycles(time: Array, demand: Array, signal: Array) -> list[LimitCycle]:
     """Return the limit cycles of a run, each looked for in the second half of a hold.
 
     Parameters
@@ -198,7 +197,7 @@ def limit_cycles(time: Samples, demand: Samples, signal: Samples) -> list[LimitC
     return [cycle for cycle in found if cycle is not None]
 
 
-def final_swings(time: Samples, demand: Samples, signal: Samples) -> list[Swing]:
+def final_swings(time: Array, demand: Array, signal: Array) -> list[Swing]:
     """Return how far a signal still swings at the end of each hold; of the valve's, its chatter.
 
     Parameters
@@ -234,7 +233,7 @@ def final_swings(time: Samples, demand: Samples, signal: Samples) -> list[Swing]
     return found
 
 
-def control_effort(time: Samples, voltage: Samples) -> float:
+def control_effort(time: Array, voltage: Array) -> float:
     """Return the root mean square of the valve voltage over a run [V].
 
     Parameters
@@ -255,7 +254,7 @@ def _final_part(hold: slice) -> slice:
     return slice(hold.stop - max(round((hold.stop - hold.start) * _FINAL_SHARE), 1), hold.stop)
 
 
-def _upward_crossings(time: Samples, signal: Samples, armed_below: float) -> Samples:
+def _upward_crossings(time: Array, signal: Array, armed_below: float) -> Array:
     """Return when the signal crosses zero upwards after having been below a threshold."""
     up = np.flatnonzero((signal[:-1] < 0.0) & (signal[1:] >= 0.0))
     crossings = []
@@ -269,7 +268,7 @@ def _upward_crossings(time: Samples, signal: Samples, armed_below: float) -> Sam
 
 
 def _step_response(
-    time: Samples, demand: Samples, displacement: Samples, k: int, end: int, band: float
+    time: Array, demand: Array, displacement: Array, k: int, end: int, band: float
 ) -> StepResponse:
     final_part = _final_part(slice(k, end))
     final = float(np.mean(displacement[final_part]))

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig, Transducer
 
-Samples = NDArray[np.float64]
 Seed = int | Sequence[int]
 
 EXACT = Transducer()
@@ -27,9 +26,9 @@ class Noise:
         Of the pressure transducers; a test volume has the first [Pa].
     """
 
-    displacement: Samples
-    pressure_a: Samples
-    pressure_b: Samples
+    displacement: Array
+    pressure_a: Array
+    pressure_b: Array
 
 
 def draw_noise(rig: Rig, length: int, seed: Seed) -> Noise:
@@ -75,7 +74,7 @@ def draw_noise(rig: Rig, length: int, seed: Seed) -> Noise:
     )
 
 
-def in_parts(time: Samples, parts: int) -> Samples:
+def in_parts(time: Array, parts: int) -> Array:
     """Return times with every interval divided into equal parts.
 
     Parameters
@@ -100,7 +99,7 @@ def in_parts(time: Samples, parts: int) -> Samples:
     return np.append(inside.ravel(), time[-1])
 
 
-def smooth_noise(time: Samples, noise: Samples, finer: Samples) -> Samples:
+def smooth_noise(time: Array, noise: Array, finer: Array) -> Array:
     """Return the noise of a transducer between its samples, as a loop hears it.
 
     Parameters
@@ -129,7 +128,7 @@ def smooth_noise(time: Samples, noise: Samples, finer: Samples) -> Samples:
     return np.asarray(CubicSpline(time, noise)(finer))
 
 
-def within_range(reading: Samples, transducer: Transducer) -> Samples:
+def within_range(reading: Array, transducer: Transducer) -> Array:
     """Return readings held inside what the transducer can give.
 
     Examples

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pneuservo.arrays import bridged
 from pneuservo.errors import InputError
 from pneuservo.plant.from_rig import single_axis
 from pneuservo.recordings import Recording
@@ -162,7 +163,7 @@ def _supply(recording: Recording, warn: Callable[[str], None]) -> np.ndarray | N
         return None
     if not known.all():
         warn(f"{recording.name}: supply_pressure has missing samples; a straight line fills them")
-    return np.interp(recording.time, recording.time[known], supply[known])
+    return bridged(recording.time, supply)
 
 
 def _port(recording: Recording, warn: Callable[[str], None]) -> str:

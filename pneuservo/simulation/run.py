@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard, Controller, SampledController
 from pneuservo.errors import InputError
 from pneuservo.plant import from_rig, single_run
@@ -19,7 +20,6 @@ from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import (
     LARGEST_STEP,
     Driven,
-    Samples,
     require_kind,
     require_samples,
     require_times,
@@ -136,8 +136,8 @@ def _law_and_held(
     controller: Controller | None,
     command: ArrayLike | None,
     demand: ArrayLike | None,
-    times: Samples,
-) -> tuple[ControlLaw, Samples]:
+    times: Array,
+) -> tuple[ControlLaw, Array]:
     """Return what commands the valve, and the command or demand that holds from time to time."""
     if (command is None) == (controller is None):
         raise InputError("give either a command or a controller with a demand")
@@ -151,22 +151,22 @@ def _law_and_held(
 
 
 def _run_baseline(
-    times: Samples,
-    inputs: Samples,
-    state: Samples,
+    times: Array,
+    inputs: Array,
+    state: Array,
     law: ControlLaw,
     plant: SingleAxis,
-    grid: Samples,
+    grid: Array,
     largest_step: float,
-) -> Samples:
+) -> Array:
     if law.source == CARD_TAPS:
         state = with_card_at_rest(state, law)
     step = min(float(largest_step), step_limit(plant, law))
-    outputs: Samples = single_run.run(times, inputs, state, law, plant, grid, step)
+    outputs: Array = single_run.run(times, inputs, state, law, plant, grid, step)
     return outputs
 
 
-def require_sound(times: Samples, outputs: Samples) -> None:
+def require_sound(times: Array, outputs: Array) -> None:
     """Refuse the outputs of a run whose state is not finite, or whose pressures not positive.
 
     Parameters

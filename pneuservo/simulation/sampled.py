@@ -5,8 +5,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import SampledController
 from pneuservo.errors import InputError
 from pneuservo.plant.outputs import OUTPUTS
@@ -16,8 +16,6 @@ from pneuservo.simulation.inputs import Driven
 from pneuservo.simulation.readings import EXACT, Seed, draw_noise, within_range
 from pneuservo.simulation.result import Simulation
 from pneuservo.simulation.sampled_loop import SampledLoop
-
-Samples = NDArray[np.float64]
 
 # What happens at one time happens in this order: the inputs change, the controller samples, its
 # output follows, the result is written.
@@ -86,7 +84,7 @@ def simulate_sampled(
     return Simulation(rig, driven.time, kept, controller)
 
 
-def _run(loop: SampledLoop, driven: Driven, period: float, delay: float) -> Samples:
+def _run(loop: SampledLoop, driven: Driven, period: float, delay: float) -> Array:
     """Return the outputs at every time, each row just after it."""
     result = np.empty((len(driven.time), len(OUTPUTS)))
     start, now, wanted = float(driven.time[0]), 0, 0.0
@@ -112,7 +110,7 @@ def _run(loop: SampledLoop, driven: Driven, period: float, delay: float) -> Samp
     return result
 
 
-def _schedule(time: Samples, period: float, delay: float) -> Iterator[tuple[int, int, int]]:
+def _schedule(time: Array, period: float, delay: float) -> Iterator[tuple[int, int, int]]:
     """Return what happens when, in order: instant, what, and its number."""
     instants = [round(t / _INSTANT) for t in time]
     samples = range(math.floor(time[-1] / period + 1e-9) + 1)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analog_card.behaviour import CardBehaviour
+from pneuservo.arrays import Array
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import HELD_VOLTAGE, OPEN_LOOP, ControlLaw
 from pneuservo.plant.from_rig import single_axis, valve_grid
@@ -46,8 +47,6 @@ from pneuservo.simulation.readings import (
     within_range,
 )
 
-Samples = NDArray[np.float64]
-
 _LEAST_PARTS = 4
 """Straight parts of an interval that noise between its samples is followed in."""
 
@@ -61,7 +60,7 @@ def run_with_effects(
     behaviour: CardBehaviour | None,
     largest_step: float,
     seed: Seed,
-) -> tuple[dict[str, Samples], NDArray[np.bool_]]:
+) -> tuple[dict[str, Array], NDArray[np.bool_]]:
     """Return what the transducers read in a run, by channel, and where the state is finite.
 
     Parameters
@@ -138,19 +137,19 @@ def run_with_effects(
     return _read(columns, arrived, rig, driven, noise, effects, plant), finite
 
 
-def _parts(time: Samples, largest_step: float) -> int:
+def _parts(time: Array, largest_step: float) -> int:
     """Return into how many parts intervals are divided for the noise that a loop hears."""
     return max(_LEAST_PARTS, round(float(np.median(np.diff(time))) / largest_step))
 
 
 def _run_beside_card(
-    inputs: Samples, state: Samples, card: SteppedCard, servo: Servo, grid: Samples
-) -> Samples:
+    inputs: Array, state: Array, card: SteppedCard, servo: Servo, grid: Array
+) -> Array:
     inputs[:, layout.TIME] = card.time
     reading, _, _ = heard(state, 0.0, servo)
     # The card has settled on a quiet reading; what noise does begins with the first sample.
     at_rest = card.at_rest(float(reading), inputs[0, layout.COMMAND])
-    out: Samples = run_servo_with_card(
+    out: Array = run_servo_with_card(
         inputs, state, at_rest, card.sensitivity, card.steps, card.substeps, card.numbers,
         servo, grid,
     )  # fmt: skip
@@ -158,14 +157,14 @@ def _run_beside_card(
 
 
 def _read(
-    columns: dict[str, Samples],
-    arrived: Samples,
+    columns: dict[str, Array],
+    arrived: Array,
     rig: Rig,
     driven: Driven,
     noise: Noise,
     effects: ServoEffects,
     plant: SingleAxis,
-) -> dict[str, Samples]:
+) -> dict[str, Array]:
     """Return the channels as they are recorded, those that nothing has left out."""
     sensor, transducers = effects.sensor, rig.transducers
     flow_a, flow_b = columns.pop("mass_flow_a"), columns.pop("mass_flow_b")

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import Controller
 from pneuservo.rigs import Rig
 from pneuservo.simulation.initial_state import InitialState
-from pneuservo.simulation.inputs import Samples
 from pneuservo.simulation.run import BrokenRunError, simulate
 
 
@@ -33,8 +33,8 @@ class SingleRuns:
         Run i has the noise of the seed (seed, i).
     """
 
-    times: Samples
-    inputs: Samples
+    times: Array
+    inputs: Array
     initial: InitialState
     channels: Sequence[str]
     largest_step: float
@@ -42,7 +42,7 @@ class SingleRuns:
 
     def run(
         self, rigs: Sequence[Rig], controllers: Sequence[Controller | None], jobs: int
-    ) -> Samples:
+    ) -> Array:
         """Return the channels of all runs.
 
         Parameters
@@ -65,7 +65,7 @@ class SingleRuns:
                 outputs[:, i] = rows
         return outputs
 
-    def _one(self, index: int, rig: Rig, controller: Controller | None) -> Samples:
+    def _one(self, index: int, rig: Rig, controller: Controller | None) -> Array:
         rows = np.full((len(self.channels), len(self.times)), np.nan)
         try:
             run = simulate(

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import ContinuousController
 from pneuservo.errors import InputError
 from pneuservo.plant import from_rig
@@ -20,7 +21,6 @@ from pneuservo.plant.lanes import WIDTH
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
 from pneuservo.rigs import Rig
 from pneuservo.simulation.initial_state import InitialState
-from pneuservo.simulation.inputs import Samples
 from pneuservo.simulation.run import with_card_at_rest
 
 # A boundary layer is off by a few hundredths of a micrometre in most runs. A relay's events cost
@@ -47,8 +47,8 @@ class Trials:
 
     laws: list[ControlLaw]
     plants: list[SingleAxis]
-    states: Samples
-    grid: Samples
+    states: Array
+    grid: Array
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -58,7 +58,7 @@ class Trials:
 def trials_of(
     rigs: Sequence[Rig],
     controllers: Sequence[ContinuousController | None],
-    inputs: Samples,
+    inputs: Array,
     initial: InitialState,
 ) -> Trials:
     """Return what the kernels need of some runs.
@@ -119,7 +119,7 @@ def shortest_limit(trials: Trials, largest_step: float) -> float:
 
 
 def run_trials(
-    trials: Trials, times: Samples, inputs: Samples, places: Sequence[int], step: float, jobs: int
+    trials: Trials, times: Array, inputs: Array, places: Sequence[int], step: float, jobs: int
 ) -> NDArray[np.float64]:
     """Return chosen outputs of many runs.
 

@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 from pneuservo.linear.models import state_matrices, without_valve
 from pneuservo.sliding_mode.range_space import RangeSpace
 from pneuservo.sliding_mode.surface import Surface
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def equivalent_gains(a: Array, b: Array, surface: Surface) -> Array:

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.sliding_mode.laws import Law
 from pneuservo.sliding_mode.plants import Plant
-
-Array = NDArray[np.float64]
 
 _COLUMNS = ("displacement", "velocity", "acceleration", "voltage", "sigma")
 

@@ -4,10 +4,10 @@ import math
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.linear.models import state_matrices
 from pneuservo.linear.parameter_update import parameter_update_jerk
 from pneuservo.linear.servo_data import ServoData
@@ -20,8 +20,6 @@ from pneuservo.plant.piston import acceleration
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState
 from pneuservo.simulation.inputs import require_kind
-
-Array = NDArray[np.float64]
 
 
 class Plant(Protocol):

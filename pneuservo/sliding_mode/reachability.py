@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from analog_card.linear_servo import LinearServo
@@ -14,8 +13,6 @@ from pneuservo.sliding_mode.equivalent_control import servo_gains, worst_equival
 from pneuservo.sliding_mode.range_space import RangeSpace
 from pneuservo.sliding_mode.reaching import reaching_phase, sliding_phase
 from pneuservo.sliding_mode.surface import Surface, surface_from_settling_time
-
-Array = NDArray[np.float64]
 
 # Settling times that are looked at: one grid for every search, refined to this [s].
 SHORTEST, LONGEST, _POINTS, _RESOLUTION = 0.005, 1.0, 80, 1e-5

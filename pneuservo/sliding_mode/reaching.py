@@ -4,16 +4,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.linear.models import state_matrices
 from pneuservo.sliding_mode.surface import Surface
-
-Array = NDArray[np.float64]
 
 # How finely a motion is looked at, and after how long at full voltage it is given up [s].
 _STEP, _LONGEST = 2e-4, 2.0

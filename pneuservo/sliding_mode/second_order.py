@@ -4,13 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Longest distance between two points of a trajectory, and switchings before it counts as sliding.
 _STEP, _MOST_SWITCHINGS = 1e-3, 200

@@ -5,9 +5,9 @@ from functools import cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.controllers import StateFeedback
 from pneuservo.linear import (
     ServoData,
@@ -32,8 +32,6 @@ from pneuservo.thesis.parameter_sets import PRINTED, RECONCILED, parameter_set
 from pneuservo.thesis.rows import Row
 from pneuservo.thesis.statements import Finding, statement_row
 
-Samples = NDArray[np.float64]
-
 TIME = np.linspace(0.0, 1.0, 1001)
 # Of table 5.2 [-], [m^2].
 _COEFFICIENT, _FLOW_AREA = 0.70, 0.81e-6
@@ -55,7 +53,7 @@ def response_rows(rig: Rig) -> list[Row]:
 
 
 @cache
-def three_models(origin: float, target: float) -> dict[str, Samples]:
+def three_models(origin: float, target: float) -> dict[str, Array]:
     """Return a step with the gains of table 5.5, retraction, position 2, by each model.
 
     Parameters
@@ -255,7 +253,7 @@ def _tuned_conventionally(data: ServoData, position: float, third_pole: float) -
     )
 
 
-def _growth(kind: str, direction: str, extending: bool) -> Samples:
+def _growth(kind: str, direction: str, extending: bool) -> Array:
     """Return the rightmost poles of three gain sets at three positions [1/s].
 
     As printed the gains are worked out from table 5.2; reconciled they are those of table 5.5.
@@ -282,5 +280,5 @@ def _least_damping(servo: LinearServo, controller: StateFeedback) -> float:
     return float(np.min(-poles.real / np.abs(poles)))
 
 
-def _share(displacement: Samples, origin: float, target: float) -> Samples:
+def _share(displacement: Array, origin: float, target: float) -> Array:
     return (displacement - origin) / (target - origin)

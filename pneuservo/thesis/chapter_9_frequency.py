@@ -6,10 +6,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
 from analog_card.surface_weights import state_weights
+from pneuservo.arrays import Array
 from pneuservo.controllers import Controller, Proportional, StateFeedback
 from pneuservo.linear import advanced_servo, table_5_2
 from pneuservo.rigs import Rig, load_rig
@@ -17,8 +17,6 @@ from pneuservo.simulation import Simulation, simulate
 from pneuservo.thesis.chapter_9_loops import SETTLING_TIME, analogue
 from pneuservo.thesis.rows import Row, number_row
 from pneuservo.thesis.statements import Finding, statement_row
-
-Samples = NDArray[np.float64]
 
 # The thesis states neither amplitude nor gains: a fifteenth of the stroke about its middle [m], the
 # state feedback of table 5.5, and a proportional gain between its well-behaved 1 and its
@@ -54,7 +52,7 @@ def controllers() -> dict[str, Controller]:
 
 
 @cache
-def frequency_response(controller: Controller, rig: Rig | None = None) -> Samples:
+def frequency_response(controller: Controller, rig: Rig | None = None) -> Array:
     """Return displacement over demand at `FREQUENCIES`, by the first harmonic.
 
     Parameters
@@ -67,7 +65,7 @@ def frequency_response(controller: Controller, rig: Rig | None = None) -> Sample
     return np.array([_harmonic(controller, frequency, rig) for frequency in FREQUENCIES])
 
 
-def surface_response(frequency: Samples) -> Samples:
+def surface_response(frequency: Array) -> Array:
     """Return the response of the sliding motion itself, the ideal one.
 
     Parameters
@@ -85,12 +83,12 @@ def open_loop() -> LinearServo:
     return advanced_servo(table_5_2(), CENTRE, extending=True)
 
 
-def decibel(response: Samples) -> Samples:
+def decibel(response: Array) -> Array:
     """Return magnitudes [dB]."""
     return 20.0 * np.log10(np.abs(response))
 
 
-def degrees(response: Samples) -> Samples:
+def degrees(response: Array) -> Array:
     """Return phases that do not jump, over increasing frequency [degrees]."""
     return np.degrees(np.unwrap(np.angle(response)))
 
@@ -197,7 +195,7 @@ def _peaks() -> Iterator[Row]:
     )
 
 
-def _peak(magnitude: Samples) -> tuple[float, float]:
+def _peak(magnitude: Array) -> tuple[float, float]:
     """Return where a response is highest above 5 Hz [Hz], and by how much it rises to it [dB]."""
     above = np.flatnonzero(np.array(FREQUENCIES) > 5.0)
     best = int(above[np.argmax(magnitude[above])])

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.card_feed import (
     EDGE,
     CardFeed,
@@ -25,7 +26,7 @@ from pneuservo.diagnosis.models.card_stages import (
     output,
     surface,
 )
-from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.effects import Effect
 from pneuservo.errors import InputError

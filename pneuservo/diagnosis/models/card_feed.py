@@ -11,11 +11,11 @@ from analog_card.behaviour_limiter import inputs as limiter_inputs
 from analog_card.design_file import load_design
 from analog_card.errors import InputError as CardInputError
 from analog_card.figures import CardFigures, card_figures
+from pneuservo.arrays import Array, bridged
 from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
 from pneuservo.recordings import Recording
 
-Array = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
 CHANNELS = (
@@ -156,9 +156,8 @@ def card_feed(recording: Recording) -> CardFeed:
         if channel not in recording:
             continue
         samples = recording[channel]
-        good = np.isfinite(samples)
-        missing[channel] = ~good
-        signals[channel] = np.interp(time, time[good], samples[good])
+        missing[channel] = ~np.isfinite(samples)
+        signals[channel] = bridged(time, samples)
         stated = recording.noise_rms.get(channel)
         noise[channel] = stated or noise_floor(samples, time)
     return CardFeed(interval, signals, missing, noise, card_nominal(recording))

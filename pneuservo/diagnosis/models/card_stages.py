@@ -6,13 +6,14 @@ Values are those of a fit: a stage's own small errors, and the parameters of eff
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.card_feed import CardFeed, Spectrum, signal_of
 from pneuservo.diagnosis.models.card_kernels import (
     limited_differentiator,
     limited_rate,
     with_hysteresis,
 )
-from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.diagnosis.models.model import Values
 
 DIFFERENTIATORS = {
     "card_velocity": (1, "card_sensor"),

@@ -6,7 +6,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.arrays import Array, bridged
+from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.effects.circuit import damping_beyond_linear, stiffness_beyond_linear
 from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
@@ -85,9 +86,7 @@ class CircuitModel(Model):
                 f"at {time[uneven[0]]:.6g} s the step is {steps[uneven[0]]:.4g} s against "
                 f"{interval:.4g} s elsewhere. Cut the recording there or resample it"
             )
-        signal = recording["circuit_input"]
-        good = np.isfinite(signal)
-        signal = np.interp(time, time[good], signal[good])
+        signal = bridged(time, recording["circuit_input"])
         fine = resample_poly(
             signal - signal[0], _OVERSAMPLING, 1, window=("kaiser", 8.0), padtype="line"
         )
@@ -98,9 +97,7 @@ class CircuitModel(Model):
 
     def first_guess(self, case: Case) -> dict[str, float]:
         """Return gain, frequency and damping from a second-order difference equation."""
-        y = np.interp(
-            np.arange(len(case.measured)), np.flatnonzero(case.usable), case.measured[case.usable]
-        )
+        y = bridged(case.recording.time, np.where(case.usable, case.measured, np.nan))
         u, interval = case.inputs["signal"], case.inputs["interval"]
         y, u = y - y.mean(), u - u.mean()
         columns = np.column_stack([y[1:-1], y[:-2], u[2:], u[1:-1], u[:-2]])

@@ -6,8 +6,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
-from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.plausible import require_absolute, require_times
 from pneuservo.effects.leakage import LEAKS
 from pneuservo.noise import noise_floor

@@ -7,13 +7,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.effects import Effect, effects_of
 from pneuservo.errors import InputError
 from pneuservo.noise import resolution
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 
-Array = NDArray[np.float64]
 Values = Mapping[str, float]
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Hashable
 from threading import Lock
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 
 
 class Recent:

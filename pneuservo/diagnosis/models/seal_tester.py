@@ -7,7 +7,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array, Case, Model, Unknown, Values
+from pneuservo.arrays import Array, bridged
+from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.plausible import require_absolute
 from pneuservo.noise import noise_floor
 from pneuservo.plant.compilation import compiled
@@ -57,8 +58,7 @@ def condition_displacement(displacement: Array, time: Array) -> Array:
     from scipy.ndimage import median_filter
     from scipy.signal import savgol_filter
 
-    good = np.isfinite(displacement)
-    filled = np.interp(time, time[good], displacement[good])
+    filled = bridged(time, displacement)
     steps = np.diff(time)
     pieces = np.split(filled, np.flatnonzero(steps > _GAP * np.median(steps)) + 1)
     cleaned = [median_filter(piece, _GLITCH, mode="nearest") for piece in pieces]
@@ -96,9 +96,7 @@ class SealTesterModel(Model):
         noise = recording.noise_rms.get("force") or noise_floor(force, time)
         displacement = condition_displacement(recording["displacement"], time)
         require_absolute(recording, "pressure_a")
-        pressure = recording["pressure_a"]
-        good = np.isfinite(pressure)
-        gauge = np.interp(time, time[good], pressure[good]) - rig["ambient.pressure"]
+        gauge = bridged(time, recording["pressure_a"]) - rig["ambient.pressure"]
         ends = np.percentile(displacement, [1.0, 99.0])
         middle, half = float(ends.mean()), max(float(np.ptp(ends)) / 2.0, 1e-6)
         inputs = {

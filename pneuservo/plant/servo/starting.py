@@ -1,8 +1,8 @@
 """Where a run of the servo with effects starts, and what drives it, as the kernel takes them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.plant.control_law import CARD_TAPS, ControlLaw
 from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.chamber_effects import has_energy_balance
@@ -22,8 +22,6 @@ from pneuservo.plant.single_axis import (
     VELOCITY,
     SingleAxis,
 )
-
-Samples = NDArray[np.float64]
 
 
 def has_own_states(effects: ServoEffects, law: ControlLaw) -> bool:
@@ -76,7 +74,7 @@ def resting_force(displacement: float, plant: SingleAxis, effects: ServoEffects)
     return -float(own)
 
 
-def servo_state(plant_state: Samples, servo: Servo, supply_pressure: float) -> Samples:
+def servo_state(plant_state: Array, servo: Servo, supply_pressure: float) -> Array:
     """Return the state of the kernel for a state of the plant.
 
     Parameters
@@ -114,9 +112,7 @@ def servo_state(plant_state: Samples, servo: Servo, supply_pressure: float) -> S
     return state
 
 
-def servo_inputs(
-    time: Samples, supply_pressure: Samples | float, **columns: Samples | float
-) -> Samples:
+def servo_inputs(time: Array, supply_pressure: Array | float, **columns: Array | float) -> Array:
     """Return the inputs of the kernel.
 
     Parameters

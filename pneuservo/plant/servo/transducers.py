@@ -1,8 +1,8 @@
 """From what is to what the transducers read, and back."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.plant.gas import Gas
 from pneuservo.plant.servo.compilation import compiled_whole
 from pneuservo.plant.servo.sensor_effects import (
@@ -11,8 +11,6 @@ from pneuservo.plant.servo.sensor_effects import (
     displacement_gain,
     dynamic_pressure,
 )
-
-Samples = NDArray[np.float64]
 
 
 @compiled_whole
@@ -63,24 +61,24 @@ def play(values, half_width):
     return result
 
 
-def in_steps(values: Samples, step: float) -> Samples:
+def in_steps(values: Array, step: float) -> Array:
     """Return a signal rounded to a resolution, or as it is for a resolution of 0."""
     if step <= 0.0:
         return values
-    whole: Samples = np.round(values / step) * step
+    whole: Array = np.round(values / step) * step
     return whole
 
 
 def read_pressures(
-    time: Samples,
-    pressure_a: Samples,
-    pressure_b: Samples,
-    mass_flow_a: Samples,
-    mass_flow_b: Samples,
-    voltage: Samples,
+    time: Array,
+    pressure_a: Array,
+    pressure_b: Array,
+    mass_flow_a: Array,
+    mass_flow_b: Array,
+    voltage: Array,
     gas: Gas,
     sensor: SensorEffects,
-) -> tuple[Samples, Samples]:
+) -> tuple[Array, Array]:
     """Return what the pressure transducers have, before noise, range and resolution [Pa].
 
     Parameters
@@ -119,12 +117,12 @@ def read_pressures(
 
 
 def true_motion(
-    displacement: Samples,
-    velocity: Samples,
-    acceleration: Samples | None,
+    displacement: Array,
+    velocity: Array,
+    acceleration: Array | None,
     stroke: float,
     sensor: SensorEffects,
-) -> tuple[Samples, Samples]:
+) -> tuple[Array, Array]:
     """Return displacement [m] and velocity [m/s] behind what the transducer reads.
 
     Parameters
@@ -173,12 +171,12 @@ def _behind(reading, stroke, sensor):
 
 
 def true_pressures(
-    time: Samples,
-    pressure_a: Samples,
-    pressure_b: Samples,
-    voltage: Samples,
+    time: Array,
+    pressure_a: Array,
+    pressure_b: Array,
+    voltage: Array,
     sensor: SensorEffects,
-) -> tuple[Samples, Samples]:
+) -> tuple[Array, Array]:
     """Return the pressures behind what the transducers read of still air [Pa].
 
     Parameters
@@ -213,13 +211,13 @@ def true_pressures(
     return found[0], found[1]
 
 
-def _hum(time: Samples, sensor: SensorEffects) -> Samples:
+def _hum(time: Array, sensor: SensorEffects) -> Array:
     """Return what the mains add to the pressures [Pa]."""
     angle = 2.0 * np.pi * sensor.hum_frequency * time + sensor.hum_phase
     return sensor.hum * np.sin(angle)
 
 
-def _offsets(voltage: Samples, sensor: SensorEffects) -> tuple[Samples, Samples]:
+def _offsets(voltage: Array, sensor: SensorEffects) -> tuple[Array, Array]:
     """Return what the electronics of the two pressures add, whatever the pressure [Pa]."""
     return (
         sensor.pressure_a_offset + sensor.ground_shift_a * voltage,

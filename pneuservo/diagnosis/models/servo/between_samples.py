@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.servo.command import (
     held_command,
     is_relay,

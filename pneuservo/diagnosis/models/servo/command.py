@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.servo.gaps import GAP
 from pneuservo.diagnosis.models.servo.noisy_command import without_jumps
 from pneuservo.diagnosis.models.servo.set_point import AtOnce, beside

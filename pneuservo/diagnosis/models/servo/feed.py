@@ -8,14 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.noisy_command import bends_of
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY
 from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST, moments_of_rest
 from pneuservo.noise import LIKELY_WANDER
-
-Array = NDArray[np.float64]
 
 PRESSURES = ("pressure_a", "pressure_b")
 SUPPLY = "supply_pressure"

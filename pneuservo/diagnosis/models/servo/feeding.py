@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pneuservo.arrays import Array, bridged
 from pneuservo.diagnosis.models.servo.command import running_command, unseen
-from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, PRESSURES, SUPPLY, Array, Feed
+from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, PRESSURES, SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.gaps import blind
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
 from pneuservo.diagnosis.models.servo.moved import moved_by, with_spread
@@ -48,15 +49,15 @@ def feed(recording: Recording, rig: Rig) -> Feed:
     }
     followed = ("valve_voltage", "demand", "force", *FOLLOWED, SUPPLY)
     there = [np.isfinite(recording[name]) for name in followed if name in recording]
-    voltage = _closed(recording["valve_voltage"], time)
+    voltage = bridged(time, recording["valve_voltage"])
     set_point, gain = np.empty(0), 0.0
     if "demand" in recording:
-        set_point = _closed(recording["demand"], time)
-        gain = gain_of_set_point(time, voltage, set_point, _closed(recording["displacement"], time))
+        set_point = bridged(time, recording["demand"])
+        gain = gain_of_set_point(time, voltage, set_point, bridged(time, recording["displacement"]))
     told = at_once(voltage, set_point, gain)
     force, force_rms = np.zeros_like(time), 0.0
     if "force" in recording:
-        force = _closed(recording["force"], time)
+        force = bridged(time, recording["force"])
         force_rms = recording.noise_rms.get("force") or noise_level(force, time)
     nowhere = np.full_like(time, np.nan)
     pressures = _pressures(recording, rig, float(force[0]))
@@ -115,17 +116,12 @@ def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
     from pneuservo.simulation.initial_state import InitialState
 
     time = recording.time
-    known = {name: _closed(recording[name], time) for name in PRESSURES if name in recording}
+    known = {name: bridged(time, recording[name]) for name in PRESSURES if name in recording}
     start = InitialState(**{name: float(values[0]) for name, values in known.items()})
     plant = single_axis(rig)
     state = start.state(plant, 0.5 * plant.piston.stroke, force)
     places = dict(zip(PRESSURES, (PRESSURE_A, PRESSURE_B), strict=True))
     return np.array([known.get(n, np.full_like(time, state[places[n]])) for n in PRESSURES])
-
-
-def _closed(samples: Array, time: Array) -> Array:
-    good = np.isfinite(samples)
-    return np.asarray(np.interp(time, time[good], samples[good]))
 
 
 def _rate(samples: Array, interval: float) -> Array:
@@ -141,5 +137,5 @@ def _supply(recording: Recording, interval: float) -> Array | None:
     if SUPPLY not in recording:
         return None
     width = max(1, round(PRESSURE_SMOOTHING / interval))
-    closed = _closed(recording[SUPPLY], recording.time)
+    closed = bridged(recording.time, recording[SUPPLY])
     return np.asarray(uniform_filter1d(closed, width, mode="nearest"))

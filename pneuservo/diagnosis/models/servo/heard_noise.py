@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 
 ORDER = 4
 """Of differences: of a slow swing next to nothing is left, of noise all."""

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import Proportional
-from pneuservo.diagnosis.models.model import Array, Case, Values
+from pneuservo.diagnosis.models.model import Case, Values
 from pneuservo.diagnosis.models.servo.between_samples import read_alike
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures

@@ -7,7 +7,8 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array, Case, Levels, Values
+from pneuservo.arrays import Array
+from pneuservo.diagnosis.models.model import Case, Levels, Values
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.run_observer import run_observer
 from pneuservo.rigs import Rig

@@ -1,6 +1,6 @@
 """A measured spool position held against where the command would have it."""
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.hum import MAINS
-from pneuservo.diagnosis.models.model import Array, Case, Misfit
+from pneuservo.diagnosis.models.model import Case, Misfit
 from pneuservo.diagnosis.models.servo.feed import AT_REST, PRESSURES, SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.spread import rise_per_metre
 from pneuservo.rigs import Rig

@@ -4,13 +4,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array, Mask, bridged
 from pneuservo.diagnosis.models.servo.rests import (
     REST_TIME,
     SHORT_REST,
     Likely,
-    Mask,
     chatters,
     keeps_its_place,
     rests_at_first_sight,
@@ -19,7 +18,6 @@ from pneuservo.diagnosis.models.servo.rests import (
 from pneuservo.diagnosis.models.servo.smoother import GLIDING, smooth
 from pneuservo.diagnosis.models.servo.turning import mean_direction
 
-Array = NDArray[np.float64]
 Way = tuple[float, float]
 """How a piston comes to rest, one of `RESTS`."""
 
@@ -177,8 +175,7 @@ def _where_it_rests(filtered: _Filter, chatter: Mask, interval: float) -> tuple[
     moving = filtered.passed(nowhere, change)[2]
     at_rest = filtered.passed(everywhere, change)[2]
     long = rests_at_first_sight(at_rest - moving, chatter, interval)
-    there = np.isfinite(measured)
-    closed = np.interp(time, time[there], measured[there])
+    closed = bridged(time, measured)
     short, still = (
         keeps_its_place(closed, variance, moving, chatter, interval, over)
         for over in (SHORT_REST, REST_TIME)

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.servo.feed import Array, Feed
+from pneuservo.arrays import Array
+from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION, smooth_motion
 from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures

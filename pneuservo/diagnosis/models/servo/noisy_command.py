@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.arrays import Array
+from pneuservo.diagnosis.models.model import Values
 from pneuservo.diagnosis.models.servo.heard_noise import ORDER
 
 COMMAND_BENDS = ("command_bend", "command_lean")

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from pneuservo.arrays import Array, Mask
+
 Likely = Callable[[Mask], Array]
 """Takes where a piston rests and returns how likely that makes each reading, as a logarithm."""
 

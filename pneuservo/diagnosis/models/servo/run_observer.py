@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from pneuservo.diagnosis.models.model import Array, Values
+from pneuservo.arrays import Array
+from pneuservo.diagnosis.models.model import Values
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.measured_spool import (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 
 _AVERAGED = 40e-3
 """Everything is averaged twice over this before a loop is asked for its gain: what velocity and

@@ -3,13 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.servo.command import followed_by_spool, settling_time
 from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.plant.valve import Valve
 from pneuservo.rigs import Rig
-
-Array = NDArray[np.float64]
 
 MEMORY = 0.3
 """Time over which a pressure is followed while the piston moves: slower errors of the flow fade,

@@ -6,7 +6,7 @@ from collections.abc import Set
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 
 Steps = NDArray[np.int64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.servo.rests import averaged
 
 NEAR_STOP = 5e-4

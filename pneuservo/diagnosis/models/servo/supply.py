@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array, bridged
 from pneuservo.effects.supply import RIPPLE
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.supply_effects import (
@@ -105,7 +105,7 @@ def _spectrum(time: Array, reading: Array) -> tuple[Array, Array]:
     """Return the frequencies that a ripple may have [Hz], and the power there."""
     from scipy.signal import detrend
 
-    swing = detrend(np.interp(time, time[np.isfinite(reading)], reading[np.isfinite(reading)]))
+    swing = detrend(bridged(time, reading))
     step, size = float(np.median(np.diff(time))), _FINER * len(swing)
     power = np.asarray(np.abs(np.fft.rfft(swing, size)) ** 2, dtype=np.float64)
     frequency = np.asarray(np.fft.rfftfreq(size, step), dtype=np.float64)

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.model import Case, Table
-from pneuservo.diagnosis.models.servo.feed import Array, Feed
+from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.effects import Effect
 from pneuservo.effects.supply import SLOW_DRIFT
 from pneuservo.effects.unexplained import DRIFT, FLOW_A, FLOW_B, FORCE

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pneuservo.diagnosis.models.model import Array
+from pneuservo.arrays import Array
 from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.compilation import compiled
 
