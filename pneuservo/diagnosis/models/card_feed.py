@@ -12,6 +12,7 @@ from analog_card.design_file import load_design
 from analog_card.errors import InputError as CardInputError
 from analog_card.figures import CardFigures, card_figures
 from pneuservo.arrays import Array, bridged
+from pneuservo.diagnosis.models.even_samples import even_interval
 from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
 from pneuservo.recordings import Recording
@@ -142,15 +143,7 @@ def card_feed(recording: Recording) -> CardFeed:
             f"{recording.source or recording.name}: rig 'analogue-card' needs at least {_FEWEST} "
             f"samples; the recording has {len(time)}. Record longer, or at a higher rate"
         )
-    steps = np.diff(time)
-    interval = float(np.median(steps))
-    uneven = np.flatnonzero(np.abs(steps - interval) > 0.2 * interval)
-    if len(uneven):
-        raise InputError(
-            f"{recording.source or recording.name}: rig 'analogue-card' needs evenly spaced "
-            f"samples; at {time[uneven[0]]:.6g} s the step is {steps[uneven[0]]:.4g} s against "
-            f"{interval:.4g} s elsewhere. Cut the recording there or resample it"
-        )
+    interval = even_interval(recording, "analogue-card")
     signals, missing, noise = {}, {}, {}
     for channel in CHANNELS:
         if channel not in recording:

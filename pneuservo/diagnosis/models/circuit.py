@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.arrays import Array, bridged
+from pneuservo.diagnosis.models.even_samples import even_interval
 from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.effects.circuit import damping_beyond_linear, stiffness_beyond_linear
-from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
 from pneuservo.plant.compilation import compiled
 from pneuservo.recordings import Recording
@@ -77,15 +77,7 @@ class CircuitModel(Model):
         from scipy.signal import resample_poly
 
         time, output = recording.time, recording[self.channel]
-        steps = np.diff(time)
-        interval = float(np.median(steps))
-        uneven = np.flatnonzero(np.abs(steps - interval) > 0.2 * interval)
-        if len(uneven):
-            raise InputError(
-                f"{recording.source or recording.name}: rig 'circuit' needs evenly spaced samples; "
-                f"at {time[uneven[0]]:.6g} s the step is {steps[uneven[0]]:.4g} s against "
-                f"{interval:.4g} s elsewhere. Cut the recording there or resample it"
-            )
+        interval = even_interval(recording, self.kind)
         signal = bridged(time, recording["circuit_input"])
         fine = resample_poly(
             signal - signal[0], _OVERSAMPLING, 1, window=("kaiser", 8.0), padtype="line"
