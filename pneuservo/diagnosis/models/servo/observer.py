@@ -13,7 +13,6 @@ from pneuservo.diagnosis.models.servo.advance import (
     write_drive,
 )
 from pneuservo.diagnosis.models.servo.covariance import (
-    ESTIMATED,
     FOLLOWED_A,
     FOLLOWED_B,
     GAIN_ROWS,
@@ -26,11 +25,16 @@ from pneuservo.diagnosis.models.servo.covariance import (
     take_over,
     weigh,
 )
+from pneuservo.diagnosis.models.servo.innovations import (
+    add_dynamic_pressure,
+    corrections,
+    place_at_stop,
+    pressure_errors,
+)
 from pneuservo.diagnosis.models.servo.push import balance_at_rest, dry_friction, push
 from pneuservo.diagnosis.models.servo.turning import friction_direction
 from pneuservo.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
-from pneuservo.plant.piston import driving_force
 from pneuservo.plant.presliding import presliding_step
 from pneuservo.plant.servo.drift import drifted_by
 from pneuservo.plant.servo.layout import (
@@ -45,12 +49,7 @@ from pneuservo.plant.servo.layout import (
 )
 from pneuservo.plant.servo.load_effects import rigid_mass
 from pneuservo.plant.servo.memory import begin
-from pneuservo.plant.servo.sensor_effects import (
-    displacement_error,
-    displacement_gain,
-    dynamic_pressure,
-)
-from pneuservo.plant.servo.stop_effects import resting_place
+from pneuservo.plant.servo.sensor_effects import displacement_gain
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FREE, SPOOL_LIMIT
 
@@ -318,14 +317,9 @@ def observe(
             left[:, k + 1 :] = math.inf
             at_rest[0, k + 1 :] = math.inf
             break
-        older = age / interval
-        error[0] = readings[0, k + 1] - state[PRESSURE_A] + within[BEHIND_A] - zeros[0]
-        error[1] = readings[1, k + 1] - state[PRESSURE_B] + within[BEHIND_B] - zeros[1]
-        error[0] += older * (state[PRESSURE_A] - path[0, k])
-        error[1] += older * (state[PRESSURE_B] - path[1, k])
+        pressure_errors(error, readings[:, k + 1], state, path[:, k], age / interval, within, zeros)
         if missed != 0.0:
-            error[0] += missed * dynamic_pressure(flow_a, state[PRESSURE_A], plant.gas)
-            error[1] += missed * dynamic_pressure(flow_b, state[PRESSURE_B], plant.gas)
+            add_dynamic_pressure(error, missed, flow_a, flow_b, state, plant.gas)
         error[2] = math.nan if held[k + 1] else readings[2, k + 1] - position - zeros[2]
         error[2] += behind[k + 1]
         if learning:
@@ -336,30 +330,15 @@ def observe(
                 shares[k + 1, 2] = 1.0
             known[k + 1] = force_spread(covariance, piston)
         if resting[k + 1] != 0:
-            force = driving_force(
-                state[PRESSURE_A],
-                state[PRESSURE_B],
-                0.0,
-                external_force[k + 1],
-                plant.ambient_pressure,
-                piston,
-            )
-            stop = resting_place(resting[k + 1], force, piston.stroke, effects.stop)
-            error[2] = readings[2, k + 1] - stop + behind[k + 1]
-            error[2] -= displacement_error(stop, piston.stroke, effects.sensor)
+            stop, read = place_at_stop(resting[k + 1], state, external_force[k + 1], servo)
+            error[2] = readings[2, k + 1] - read + behind[k + 1]
             # What gives way does so as slowly as the pressures change; nan when it has just begun.
             yielding, pressed = (stop - pressed) / interval, stop
             if not math.isfinite(yielding):
                 yielding = 0.0
         else:
             yielding, pressed = 0.0, math.nan
-        moved[:] = 0.0
-        for slot in range(3):
-            if error[slot] == error[slot]:
-                own = error[slot] - moved[ESTIMATED + slot]
-                left[slot, k + 1] = own * shares[k + 1, slot]
-                for row in range(GAIN_ROWS):
-                    moved[row] += gains[k + 1, row, slot] * error[slot]
+        corrections(moved, left[:, k + 1], error, gains[k + 1], shares[k + 1])
         state[PRESSURE_A] += moved[FOLLOWED_A]
         state[PRESSURE_B] += moved[FOLLOWED_B]
         for slot in range(3):
