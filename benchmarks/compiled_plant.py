@@ -5,11 +5,11 @@ from numpy.typing import NDArray
 
 from benchmarks.problem import CARDS, RIG, numbers
 from pneuservo.controllers import AnalogueCard
-from pneuservo.plant import from_rig
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.lane_arrays import load_tuple
 from pneuservo.plant.single_axis import derivative
+from pneuservo.rigs import plant_numbers
 from pneuservo.simulation.trials import floats_of
 
 # How law and plant are put together from their floats.
@@ -42,7 +42,7 @@ class CompiledPlant:
     def __init__(self, card: AnalogueCard):
         self.law, self.plant, self.start = numbers(card)
         self.values = np.array(floats_of((self.law, self.plant)))
-        self.grid = from_rig.valve_grid(RIG.valve)
+        self.grid = plant_numbers.valve_grid(RIG.valve)
 
     def rate(self, y: NDArray[np.float64], modes, held) -> NDArray[np.float64]:
         return rate(y, modes, held, self.values, self.grid)

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from analog_card.design_file import load_design
 from analog_card.figures import card_figures
 from pneuservo.controllers import AnalogueCard
-from pneuservo.plant import from_rig, integrator
+from pneuservo.plant import integrator
 from pneuservo.plant.control_law import ControlLaw
 from pneuservo.plant.single_axis import SingleAxis
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 from pneuservo.simulation.run import with_card_at_rest
 
@@ -55,7 +55,7 @@ def displacement(card: AnalogueCard, duration: float, step: float) -> NDArray[np
 
 def numbers(card: AnalogueCard) -> tuple[ControlLaw, SingleAxis, NDArray[np.float64]]:
     """Return law, plant and the state at the start, as the kernels take them."""
-    law, plant = card.law(RIG), from_rig.single_axis(RIG)
+    law, plant = card.law(RIG), plant_numbers.single_axis(RIG)
     return law, plant, with_card_at_rest(START.state(plant, 0.0, 0.0), law)
 
 
@@ -67,6 +67,6 @@ def reference(card: AnalogueCard, duration: float) -> NDArray[np.float64]:
     time, demand = course(duration)
     law, plant, state = numbers(card)
     inputs = np.column_stack((demand, np.zeros_like(demand)))
-    grid = from_rig.valve_grid(RIG.valve)
+    grid = plant_numbers.valve_grid(RIG.valve)
     outputs = integrator.run(time, inputs, state, law, plant, grid, REFERENCE_STEP)
     return np.asarray(outputs[:, integrator.OUTPUTS.index("displacement")])

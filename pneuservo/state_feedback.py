@@ -11,8 +11,8 @@ from pneuservo.errors import InputError
 from pneuservo.linear.models import state_space
 from pneuservo.linear.parameter_update import Motion, parameter_update_response
 from pneuservo.linear.servo_data import ServoData
-from pneuservo.plant import from_rig, integrator
-from pneuservo.rigs import Rig
+from pneuservo.plant import integrator
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 from pneuservo.simulation.inputs import LARGEST_STEP, require_kind
 
@@ -206,7 +206,7 @@ def nonlinear_step(
     if grid is None:
         run = simulate(rig, time=time, controller=controller, demand=target, initial=start)
         return Motion(run.time, run["displacement"], run["velocity"], run["acceleration"])
-    plant = from_rig.single_axis(require_kind(rig, "single-axis"))
+    plant = plant_numbers.single_axis(require_kind(rig, "single-axis"))
     outputs = integrator.run(
         np.array(time, float),
         np.column_stack((np.full(len(time), target), np.zeros(len(time)))),

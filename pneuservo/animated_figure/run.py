@@ -13,10 +13,10 @@ from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard, ContinuousController, Controller, SampledController
 from pneuservo.errors import InputError
 from pneuservo.manipulator.linkage import gravity_torque
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import ControlLaw
 from pneuservo.plant.outputs import OUTPUTS
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
+from pneuservo.rigs import plant_numbers
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import require_samples, require_times
 from pneuservo.simulation.run import (
@@ -95,7 +95,7 @@ def simulate_figure(
         if name not in figure.axes:
             raise InputError(f"there is no axis {name!r}; the axes are: {', '.join(figure.axes)}")
     held = np.column_stack([_demand(figure, name, demands, times) for name in figure.axes])
-    plants = [from_rig.single_axis(axis.rig) for axis in figure.axes.values()]
+    plants = [plant_numbers.single_axis(axis.rig) for axis in figure.axes.values()]
     laws = [continuous.law(axis.rig) for axis in figure.axes.values()]
     numbers = np.array([_floats((law, plant)) for law, plant in zip(laws, plants, strict=True)])
     steps = [
@@ -110,7 +110,7 @@ def simulate_figure(
         _start(figure, initial or {}, held[0], plants, laws),
         numbers,
         (laws[0], plants[0]),
-        from_rig.valve_grid(_valve(figure)),
+        plant_numbers.valve_grid(_valve(figure)),
         figure.coupling,
         min(steps),
         outputs,

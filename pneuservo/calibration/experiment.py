@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pneuservo.errors import InputError
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 from pneuservo.simulation import simulate_dead_volume
 
 # At 7.7 bar, the top of the supply range of section 3.1, the first break points of the tables,

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from pneuservo.calibration.transient import Transient, in_flow
 from pneuservo.errors import InputError
 from pneuservo.intervals import INTERVAL
-from pneuservo.plant.from_rig import dead_volume
 from pneuservo.plant.gas import mass_flow_coefficient
+from pneuservo.rigs.plant_numbers import dead_volume
 
 _FEWEST = 8
 _BINS = 40

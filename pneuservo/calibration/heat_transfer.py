@@ -72,7 +72,7 @@ def transient_with_heat(
     Parameters
     ----------
     path : str
-        Flow path, one of `pneuservo.rigs.valve_tables.FLOW_PATHS`.
+        Flow path, one of `pneuservo.plant.flow_paths.FLOW_PATHS`.
     opening : float
         Fraction of full opening, above 0 [-].
     wall_conductance : float, optional

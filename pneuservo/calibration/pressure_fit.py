@@ -10,14 +10,14 @@ from pneuservo.arrays import Array
 from pneuservo.calibration.flow_curve import FlowCurve
 from pneuservo.calibration.transient import Transient, in_flow
 from pneuservo.plant.dead_volume import PORT_A, PORT_B, run_dead_volume
-from pneuservo.plant.from_rig import dead_volume
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.plant.valve import (
     B_TO_EXHAUST,
     PRESSURE_RATIO_CELLS,
     SUPPLY_TO_A,
     VOLTAGE_CELLS,
 )
-from pneuservo.rigs.valve_tables import FLOW_PATHS
+from pneuservo.rigs.plant_numbers import dead_volume
 
 # Below the first break point the flow is choked and the coefficient nearly constant.
 PLATEAU = 0.05

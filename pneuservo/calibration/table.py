@@ -12,9 +12,9 @@ from analog_card.processes import processes
 from pneuservo.calibration.table_row import TableRow, fit_row
 from pneuservo.calibration.transient import LEAK, Transient
 from pneuservo.errors import InputError
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.plant.valve import discharge_grid
 from pneuservo.rigs import FlowPathTable, Rig, load_valve_tables
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 
 # The maker's rated flow, 2 SCFM at 100 psi absolute, gives 0.80 with the area of table 4.1.
 RATED_COEFFICIENT = 0.8

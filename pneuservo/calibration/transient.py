@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.recordings import Recording
 from pneuservo.recordings.time_checks import FEWEST_SAMPLES
 from pneuservo.rigs import Rig, load_rig
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 
 LEAK = "leak"
 _CHANNEL = "dead_volume_pressure"
@@ -30,7 +30,7 @@ class Transient:
     name : str
         For messages and legends.
     path : str
-        Flow path, one of `pneuservo.rigs.valve_tables.FLOW_PATHS`, or `LEAK` for a volume
+        Flow path, one of `pneuservo.plant.flow_paths.FLOW_PATHS`, or `LEAK` for a volume
         without a command.
     command : float
         Magnitude of the held command, at most the full voltage; NaN for a leak [V].

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from pneuservo.calibration.experiment import CONDITIONS, simulate_transient
 from pneuservo.calibration.transient import Transient, transient_of
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.rigs import Rig, load_rig
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 from pneuservo.simulation import simulate_dead_volume
 
 UNCALIBRATED_VALVE = "ddv-27a1-uncalibrated"

@@ -7,8 +7,8 @@ from typing import Any
 from analog_card.behaviour_elements import PARTS, nominal_elements
 from analog_card.design import Design
 from analog_card.design_fields import require_allowed
+from pneuservo.loop_controller import BEHAVIOUR, CIRCUIT, TAKEN, UNITS
 from pneuservo.rigs import Rig
-from pneuservo.simulation.loop_controller import BEHAVIOUR, CIRCUIT, TAKEN, UNITS
 
 CONTROLLER, ELEMENT = "controller.", "element."
 # What of a design is varied by its name in the design file.

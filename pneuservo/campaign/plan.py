@@ -29,7 +29,7 @@ class Campaign:
         Kind of the controller.
     options : mapping of str to anything
         What shapes it and does not vary, by the names of
-        `pneuservo.simulation.loop_controller.TAKEN`; ``design`` is a loaded design.
+        `pneuservo.loop_controller.TAKEN`; ``design`` is a loaded design.
     time, demand : (n,) array
         [s], [m].
     axes : tuple of Grid or Random

@@ -16,13 +16,13 @@ from pneuservo.campaign.parameters import variable_parameters
 from pneuservo.campaign.plan import Campaign
 from pneuservo.controllers import AnalogueCard
 from pneuservo.errors import InputError
+from pneuservo.loop_controller import CARDS, loop_controller
 from pneuservo.naming import require_known
 from pneuservo.recordings import read_recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import require_kind
-from pneuservo.simulation.loop_controller import CARDS, loop_controller
 
 # How many samples are drawn at each point of the grid, unless said.
 TRIALS = 100

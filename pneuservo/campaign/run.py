@@ -13,7 +13,7 @@ from analog_card.tolerance_trials import fingerprint, run_trials
 from pneuservo.campaign.plan import Campaign
 from pneuservo.campaign.sample import run_samples
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
+from pneuservo.rigs import plant_numbers
 
 SAMPLES = "samples.jsonl"
 """Name of the file in which samples are kept as they come."""
@@ -121,7 +121,7 @@ def identity(campaign: Campaign) -> str:
         {name: parameter.value for name, parameter in rig.parameters.items()},
         rig.effect_values,
         rig.transducers,
-        from_rig.valve_grid(rig.valve).tobytes(),
+        plant_numbers.valve_grid(rig.valve).tobytes(),
         campaign.controller,
         campaign.options,
         campaign.time.tobytes(),

@@ -10,8 +10,8 @@ from pneuservo.campaign.parameters import CONTROLLER, ELEMENT, varied_design, va
 from pneuservo.campaign.plan import Campaign
 from pneuservo.controllers import AnalogueCard, card_of
 from pneuservo.errors import PneuservoError
+from pneuservo.loop_controller import CIRCUIT, LoopController, loop_controller
 from pneuservo.simulation import Simulation, simulate
-from pneuservo.simulation.loop_controller import CIRCUIT, LoopController, loop_controller
 
 
 def run_samples(campaign: Campaign, indices: Sequence[int]) -> Iterator[dict[str, Any]]:

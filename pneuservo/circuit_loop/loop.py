@@ -19,9 +19,8 @@ from pneuservo.arrays import Array
 from pneuservo.controllers import card_of
 from pneuservo.controllers.requirements import sensitivity
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
 from pneuservo.plant import single_axis as places
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation import InitialState, Simulation
 from pneuservo.simulation.inputs import require_kind, require_samples, require_times
 from pneuservo.simulation.readings import require_exact_transducers
@@ -135,7 +134,7 @@ def simulate_circuit_loop(
 
 
 def _start(rig: Rig, first_demand: float, initial: InitialState) -> dict[str, float]:
-    state = initial.state(from_rig.single_axis(rig), first_demand, 0.0)
+    state = initial.state(plant_numbers.single_axis(rig), first_demand, 0.0)
     return {
         "start_displacement": state[places.DISPLACEMENT],
         "start_velocity": state[places.VELOCITY],

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
+from pneuservo.plant.flow_paths import FlowPathTable
 from pneuservo.rigs import load_valve_tables
-from pneuservo.rigs.valve_tables import FlowPathTable
 
 _HEAD = """\
 * Discharge coefficients of the servo valve {name}, tables 4.2 to 4.5 of the thesis.

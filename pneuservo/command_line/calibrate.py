@@ -93,8 +93,8 @@ def _recordings(
 ) -> Any:
     if simulated:
         from pneuservo.calibration.experiment import COMMANDS, simulate_transient
+        from pneuservo.plant.flow_paths import FLOW_PATHS
         from pneuservo.recordings import write_recording
-        from pneuservo.rigs.valve_tables import FLOW_PATHS
 
         for number, path in enumerate(FLOW_PATHS):
             for volts in COMMANDS:

@@ -109,8 +109,8 @@ def command(
     from pneuservo.animated_figure import simulate_figure
     from pneuservo.animated_figure.demand import sampled_time, stepping, waving
     from pneuservo.animated_figure.pictures import overview, require_animation, write_animation
+    from pneuservo.loop_controller import loop_controller
     from pneuservo.report.picture_files import require_picture, write_picture
-    from pneuservo.simulation.loop_controller import loop_controller
 
     require_picture("--plot", plot)
     if animation is not None:

@@ -17,6 +17,13 @@ from pneuservo.command_line.baseline_rig import without_effects
 from pneuservo.command_line.recording_files import read
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
+from pneuservo.loop_controller import (
+    CARDS,
+    UNITS,
+    LoopController,
+    loop_controller,
+    written,
+)
 from pneuservo.recordings import CHANNELS, Recording, write_recording
 from pneuservo.recordings.writer import require_recording_file
 from pneuservo.report.picture_files import require_picture, write_picture
@@ -24,13 +31,6 @@ from pneuservo.rigs import Rig, load_rig
 from pneuservo.simulation import Simulation, replay, step_demand
 from pneuservo.simulation.demand import HOLD, RATE, names_recording, set_points
 from pneuservo.simulation.inputs import require_kind
-from pneuservo.simulation.loop_controller import (
-    CARDS,
-    UNITS,
-    LoopController,
-    loop_controller,
-    written,
-)
 from pneuservo.simulation.phase_plane import require_surface
 from pneuservo.simulation.replay import initial_state
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from pneuservo.controllers.board import DT2812A, Board
+from pneuservo.controllers.boundary_layer import boundary_layer
 from pneuservo.controllers.requirements import require, sensitivity
 from pneuservo.controllers.sampled import Reading, SampledController, Voltage
 from pneuservo.controllers.surface import SlidingSurface
 from pneuservo.controllers.true_states import StateFeedback
 from pneuservo.plant.control_law import limited
 from pneuservo.rigs import Rig
-from pneuservo.sliding_mode.boundary_layer import boundary_layer
 
 
 class BackwardDifference:

@@ -9,10 +9,9 @@ from pneuservo.arrays import Array
 from pneuservo.limit_cycle.kernel import OUTPUTS, run_in_ticks
 from pneuservo.limit_cycle.linear_simulation import DURATION, START_ERROR, StepCourse
 from pneuservo.limit_cycle.loop import Loop, signal_path, surface_filter
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.single_axis import SingleAxis
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation import InitialState
 from pneuservo.simulation.inputs import require_kind
 
@@ -66,7 +65,7 @@ def simulate_nonlinear(
     differentiators are discretised by the bilinear rule, without delay.
     """
     rig = require_kind(rig, "single-axis")
-    plant = _with_valve_of(loop, from_rig.single_axis(rig))
+    plant = _with_valve_of(loop, plant_numbers.single_axis(rig))
     tick, hold = _ticks(loop)
     start = displacement - start_error
     state = InitialState(displacement=start).state(plant, start, 0.0)
@@ -91,7 +90,7 @@ def simulate_nonlinear(
         float(loop.boundary_layer),
         OPEN_LOOP,
         plant,
-        from_rig.valve_grid(rig.valve) if grid is None else grid,
+        plant_numbers.valve_grid(rig.valve) if grid is None else grid,
     )
     channel = dict(zip(OUTPUTS, columns.T, strict=True))
     return StepCourse(

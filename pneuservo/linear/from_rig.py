@@ -8,10 +8,9 @@ from types import MappingProxyType
 from pneuservo.errors import InputError
 from pneuservo.linear.quiescent import at_quiescent_pressures
 from pneuservo.linear.servo_data import FlowAreas, ServoData
-from pneuservo.plant import from_rig
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.plant.valve import discharge_coefficient
-from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs import Rig, load_rig, plant_numbers
 
 # Table 5.2 of the thesis, right column (as corrected), where it differs from the rig's own data.
 TABLE_5_2: Mapping[str, float] = MappingProxyType(
@@ -75,7 +74,7 @@ def servo_data(
         raise InputError(f"rig {rig.name} is of kind {rig.kind}; single-axis is needed here")
     if not 0.0 < opening <= 1.0:
         raise InputError(f"opening is {opening:g}; it has to be greater than 0 and at most 1")
-    plant = from_rig.single_axis(rig)
+    plant = plant_numbers.single_axis(rig)
     start = pressures or (0.7 * plant.supply_pressure, 0.85 * plant.supply_pressure)
     data = _unopened(plant, start, flow_area or 1.0)
     for _ in range(_ROUNDS):
@@ -152,7 +151,7 @@ def _unopened(plant: SingleAxis, pressures: tuple[float, float], flow_area: floa
 
 
 def _tabulated_areas(plant: SingleAxis, valve: str, data: ServoData, opening: float) -> FlowAreas:
-    full, grid = plant.valve, from_rig.valve_grid(valve)
+    full, grid = plant.valve, plant_numbers.valve_grid(valve)
     # In the order of the paths of the tables, which is that of `FlowAreas`.
     areas = (full.area_s_a, full.area_b_e, full.area_s_b, full.area_a_e)
     ratios = (

@@ -8,11 +8,10 @@ from scipy.optimize import root
 
 from pneuservo.arrays import Array
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.piston import EXTENDING, RETRACTING
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 
 if TYPE_CHECKING:
     from control import StateSpace
@@ -142,7 +141,7 @@ def _moved(point: OperatingPoint, name: str, by: float) -> OperatingPoint:
 
 def _rates(rig: Rig, point: OperatingPoint, grid: Array | None) -> Array:
     """Return the rates of displacement, velocity and both pressures by the plant's kernel."""
-    plant = from_rig.single_axis(rig)
+    plant = plant_numbers.single_axis(rig)
     state = np.zeros(places.PLANT_STATES)
     state[list(_STATES)] = [point.displacement, point.velocity, point.pressure_a, point.pressure_b]
     state[places.SPOOL] = point.voltage / plant.valve.full_voltage
@@ -150,6 +149,6 @@ def _rates(rig: Rig, point: OperatingPoint, grid: Array | None) -> Array:
     motion = EXTENDING if point.voltage >= 0.0 else RETRACTING
     modes = np.array([motion, places.SPOOL_FREE, 1])
     rate = np.empty_like(state)
-    used = from_rig.valve_grid(rig.valve) if grid is None else grid
+    used = plant_numbers.valve_grid(rig.valve) if grid is None else grid
     places.derivative(state, modes, np.zeros(2), OPEN_LOOP, plant, used, rate)
     return rate[list(_STATES)]

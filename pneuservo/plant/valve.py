@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from pneuservo.errors import InputError
 from pneuservo.plant.compilation import compiled
+from pneuservo.plant.flow_paths import FLOW_PATHS, FlowPathTable
 from pneuservo.plant.gas import gas_mass_flow
 from pneuservo.plant.lane_arrays import neighbours
 from pneuservo.plant.lanes import select, whole
-from pneuservo.rigs.valve_tables import FLOW_PATHS, FlowPathTable
 
 # The break points of the tables are multiples of these, so bilinear interpolation on the even
 # grid gives exactly what interpolation along the rows and then between the rows gives.

@@ -1,9 +1,10 @@
 """Rigs as data: one TOML per rig, every value with unit and source."""
 
+from pneuservo.plant.flow_paths import FlowPathTable
 from pneuservo.rigs.rig import BUILT_IN_RIGS, VARIANTS, Parameter, Rig, load_rig
 from pneuservo.rigs.session import Session
 from pneuservo.rigs.transducers import Transducer
-from pneuservo.rigs.valve_tables import FlowPathTable, load_valve_tables
+from pneuservo.rigs.valve_tables import load_valve_tables
 
 __all__ = [
     "BUILT_IN_RIGS",

@@ -1,37 +1,15 @@
 """Discharge-coefficient tables of a servo valve, one per flow path."""
 
 import tomllib
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.toml_file import read_toml
 from pneuservo.errors import InputError
-
-FLOW_PATHS = ("s_a", "b_e", "s_b", "a_e")
-
-
-@dataclass(frozen=True)
-class FlowPathTable:
-    """Discharge coefficient of one flow path over command and pressure ratio.
-
-    Parameters
-    ----------
-    command : (n,) array
-        Magnitude of the command, increasing [V].
-    pressure_ratio : (n, 5) array
-        Break points of each row, downstream over upstream pressure [-].
-    discharge_coefficient : (n, 5) array
-        Coefficient at the break points; linear between them [-].
-    """
-
-    command: NDArray[np.float64]
-    pressure_ratio: NDArray[np.float64]
-    discharge_coefficient: NDArray[np.float64]
+from pneuservo.plant.flow_paths import FLOW_PATHS, FlowPathTable
 
 
 @cache

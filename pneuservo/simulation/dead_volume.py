@@ -7,9 +7,8 @@ from numpy.typing import ArrayLike
 
 from pneuservo.errors import InputError
 from pneuservo.plant import dead_volume as kernels
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.inputs import (
     LARGEST_STEP,
     require_kind,
@@ -72,7 +71,7 @@ def simulate_dead_volume(
     ports = {"a": kernels.PORT_A, "b": kernels.PORT_B}
     if port not in ports:
         raise InputError(f"port is {port!r}; the valve has the ports 'a' and 'b'")
-    plant = from_rig.dead_volume(rig)
+    plant = plant_numbers.dead_volume(rig)
     start = plant.ambient_pressure if initial_pressure is None else float(initial_pressure)
     if not 0.0 < start < math.inf:
         raise InputError(f"initial pressure is {start:g} Pa; it has to be greater than 0")
@@ -82,7 +81,7 @@ def simulate_dead_volume(
         start,
         ports[port],
         plant,
-        from_rig.valve_grid(rig.valve),
+        plant_numbers.valve_grid(rig.valve),
         integration_step(largest_step, 0.0, OPEN_LOOP),
     )
     require_finite(times, np.isfinite(pressure[:, np.newaxis]).all(axis=1))

@@ -6,9 +6,9 @@ import numpy as np
 
 from pneuservo.arrays import bridged
 from pneuservo.errors import InputError
-from pneuservo.plant.from_rig import single_axis
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs.plant_numbers import single_axis
 from pneuservo.simulation.dead_volume import simulate_dead_volume
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import require_kind

@@ -8,13 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard, Controller, SampledController
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig, single_run
 from pneuservo.plant import single_axis as places
+from pneuservo.plant import single_run
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
 from pneuservo.plant.exponential import step_limit
 from pneuservo.plant.outputs import OUTPUTS, PRESSURE_A_OUT, PRESSURE_B_OUT
 from pneuservo.plant.single_axis import SingleAxis
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.behavioural_card import run_behaviour, stepped_card
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import (
@@ -106,7 +106,7 @@ def simulate(
     if supply_pressure is not None:
         supply = require_samples("supply_pressure", supply_pressure, times)
     driven = Driven(times, held, force, supply)
-    start, plant = initial or InitialState(), from_rig.single_axis(rig)
+    start, plant = initial or InitialState(), plant_numbers.single_axis(rig)
     rest = 0.5 * plant.piston.stroke if controller is None else float(held[0])
     step = integration_step(largest_step, plant.valve.spool_frequency, law)
     if isinstance(controller, SampledController):
@@ -119,7 +119,7 @@ def simulate(
         columns, finite = run_with_effects(rig, driven, start, rest, law, behaviour, step, seed)
         require_finite(times, finite)
         return simulation_of(rig, times, columns, controller, law, held, force)
-    grid, state = from_rig.valve_grid(rig.valve), start.state(plant, rest, float(force[0]))
+    grid, state = plant_numbers.valve_grid(rig.valve), start.state(plant, rest, float(force[0]))
     inputs = np.column_stack((held, force))
     if behaviour is not None:
         card = stepped_card(times, behaviour, law.sensitivity, step)

@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from pneuservo.controllers import AnalogueCard, Reading, SampledController
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.integrator import initial_modes
 from pneuservo.plant.outputs import OUTPUTS
 from pneuservo.plant.sampled_hold import TAPS, hold_voltage
 from pneuservo.plant.single_axis import COMMAND, DISPLACEMENT, EXTERNAL_FORCE
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import Driven
 from pneuservo.simulation.readings import EXACT, Seed, within_range
@@ -63,8 +62,8 @@ class SampledLoop:
     ) -> None:
         """Start at rest, the output of the board at zero."""
         self._controller, self._rig = controller, rig
-        self._plant = from_rig.single_axis(rig)
-        self._grid = from_rig.valve_grid(rig.valve)
+        self._plant = plant_numbers.single_axis(rig)
+        self._grid = plant_numbers.valve_grid(rig.valve)
         demand, force = float(driven.held[0]), float(driven.force[0])
         self._state = initial.state(self._plant, demand, force)
         self._held = np.array([0.0, force])

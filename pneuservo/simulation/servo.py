@@ -10,7 +10,6 @@ from analog_card.behaviour import CardBehaviour
 from pneuservo.arrays import Array
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import HELD_VOLTAGE, OPEN_LOOP, ControlLaw
-from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo import layout
 from pneuservo.plant.servo.behavioural_card import run_servo_with_card
 from pneuservo.plant.servo.chain import heard
@@ -34,6 +33,7 @@ from pneuservo.plant.servo.transducers import (
 )
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig
+from pneuservo.rigs.plant_numbers import single_axis, valve_grid
 from pneuservo.simulation.behavioural_card import SteppedCard, equally_spaced, stepped_card
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import Driven

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from pneuservo.arrays import Array
 from pneuservo.controllers import ContinuousController
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
 from pneuservo.plant.batch_run import run_batch
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw, is_relay
 from pneuservo.plant.exponential import step_limit
 from pneuservo.plant.lanes import WIDTH
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.run import with_card_at_rest
 
@@ -88,7 +87,7 @@ def trials_of(
             "the controllers of a batch have to be of one kind, all relays or none; "
             "simulate each kind in a batch of its own"
         )
-    plants = [from_rig.single_axis(rig) for rig in rigs]
+    plants = [plant_numbers.single_axis(rig) for rig in rigs]
     states = np.zeros((len(rigs), STATES_WITH_CARD))
     for i, (law, plant, controller) in enumerate(zip(laws, plants, controllers, strict=True)):
         rest = 0.5 * plant.piston.stroke if controller is None else float(inputs[0, 0])
@@ -96,7 +95,7 @@ def trials_of(
         if law.source == CARD_TAPS:
             state = with_card_at_rest(state, law)
         states[i, : len(state)] = state
-    return Trials(laws, plants, states, from_rig.valve_grid(rigs[0].valve))
+    return Trials(laws, plants, states, plant_numbers.valve_grid(rigs[0].valve))
 
 
 def usual_step(law: ControlLaw) -> float:

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.controllers.boundary_layer import boundary_layer, smooth_boundary_layer
 from pneuservo.errors import InputError
-from pneuservo.sliding_mode.boundary_layer import boundary_layer, smooth_boundary_layer
 from pneuservo.sliding_mode.equivalent_control import servo_gains
 from pneuservo.sliding_mode.surface import Surface
 

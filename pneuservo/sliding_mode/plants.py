@@ -11,13 +11,12 @@ from pneuservo.arrays import Array
 from pneuservo.linear.models import state_matrices
 from pneuservo.linear.parameter_update import parameter_update_jerk
 from pneuservo.linear.servo_data import ServoData
-from pneuservo.plant import from_rig
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.events import settle
 from pneuservo.plant.integrator import advance, initial_modes
 from pneuservo.plant.piston import acceleration
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation import InitialState
 from pneuservo.simulation.inputs import require_kind
 
@@ -119,8 +118,8 @@ class NonlinearPlant:
     """
 
     def __init__(self, rig: Rig, displacement: float):
-        self._plant = from_rig.single_axis(require_kind(rig, "single-axis"))
-        self._grid = from_rig.valve_grid(rig.valve)
+        self._plant = plant_numbers.single_axis(require_kind(rig, "single-axis"))
+        self._grid = plant_numbers.valve_grid(rig.valve)
         self._state = InitialState(displacement=displacement).state(self._plant, displacement, 0.0)
         self._inputs = np.zeros(2)
         self._modes = initial_modes(self._state, self._inputs, self._plant)

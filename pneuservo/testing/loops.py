@@ -11,11 +11,11 @@ from pneuservo.campaign.sample import simulate_sample
 from pneuservo.campaign.summary import values_in_words
 from pneuservo.controllers import Controller, Proportional
 from pneuservo.errors import InputError
+from pneuservo.loop_controller import UNITS, LoopController, loop_controller
 from pneuservo.rigs import Rig
 from pneuservo.simulation import Simulation, step_demand
 from pneuservo.simulation.demand import HOLD, RATE, set_points
 from pneuservo.simulation.inputs import require_kind
-from pneuservo.simulation.loop_controller import UNITS, LoopController, loop_controller
 
 Value = str | float
 

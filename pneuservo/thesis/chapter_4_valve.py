@@ -19,9 +19,9 @@ from pneuservo.calibration.validation import (
     other_valve,
     uncalibrated,
 )
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.plant.gas import ideal_gas, mass_flow_coefficient
 from pneuservo.rigs import load_valve_tables
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 from pneuservo.thesis.chapter_4_stated import stated
 from pneuservo.thesis.rows import Row, number_row
 from pneuservo.thesis.statements import Finding, statement_row

@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pneuservo.linear import TABLE_5_2
-from pneuservo.plant import from_rig
-from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs import Rig, load_rig, plant_numbers
 
 
 def rig_with_one_coefficient(
@@ -32,4 +31,4 @@ def rig_with_one_coefficient(
     rig = load_rig("single-axis")
     areas = {key: flow_area for key in rig.parameters if key.startswith("valve.flow.")}
     rig = rig.with_values({**TABLE_5_2, **areas, "piston.coulomb_friction": coulomb_friction})
-    return rig, np.full_like(from_rig.valve_grid(rig.valve), discharge_coefficient)
+    return rig, np.full_like(plant_numbers.valve_grid(rig.valve), discharge_coefficient)

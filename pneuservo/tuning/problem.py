@@ -19,9 +19,9 @@ from pneuservo.campaign.plan_file import campaign_of
 from pneuservo.campaign.run import identity
 from pneuservo.controllers import AnalogueCard
 from pneuservo.errors import InputError
+from pneuservo.loop_controller import FIGURES
 from pneuservo.rigs import Rig
 from pneuservo.simulation.demand import names_recording
-from pneuservo.simulation.loop_controller import FIGURES
 
 OBJECTIVES = ("settling_time", "chatter", "control_effort")
 """What is made small, each in the worst rig of the set; metrics of a campaign."""

@@ -8,9 +8,9 @@ import tomli_w
 from analog_card.files import write_files
 from analog_card.quantities import to_si
 from pneuservo.errors import InputError
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.rigs import BUILT_IN_RIGS, VARIANTS, load_rig, load_valve_tables
 from pneuservo.rigs.rig_file import files_beside, rig_document
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 
 
 @pytest.mark.parametrize("name", BUILT_IN_RIGS)

@@ -13,9 +13,9 @@ from pneuservo.diagnosis.models.plausible import require_absolute, require_times
 from pneuservo.effects.leakage import LEAKS
 from pneuservo.noise import noise_floor
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
-from pneuservo.plant.from_rig import dead_volume, valve_grid
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
+from pneuservo.rigs.plant_numbers import dead_volume, valve_grid
 
 _LONGEST_STEP = 0.02
 """Longest integration step [s]; the fastest leaks in use empty a volume in seconds."""

@@ -12,9 +12,9 @@ from pneuservo.calibration.table import cannot_tell_apart
 from pneuservo.calibration.validation import experiment_rig
 from pneuservo.errors import InputError
 from pneuservo.identification.whiteness import whiteness
+from pneuservo.plant.flow_paths import FLOW_PATHS
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_valve_tables
-from pneuservo.rigs.valve_tables import FLOW_PATHS
 
 TABLES = load_valve_tables("ddv-27a1")
 GOLDEN = Path(__file__).parents[2] / "golden"

@@ -5,8 +5,8 @@ import pytest
 
 from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
 from pneuservo.plant.dead_volume import PORT_A
-from pneuservo.plant.from_rig import dead_volume, valve_grid
 from pneuservo.rigs import load_rig
+from pneuservo.rigs.plant_numbers import dead_volume, valve_grid
 
 RIG = load_rig("dead-volume").with_values({"dead-volume.polytropic_index": 1.0})
 AMBIENT, WALL, R = RIG["ambient.pressure"], RIG["temperature"], RIG["gas.constant"]

@@ -7,9 +7,8 @@ from servo_recordings import recorded
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.servo import run_observer
 from pneuservo.diagnosis.models.servo.servo import ServoModel
-from pneuservo.plant import from_rig
 from pneuservo.recordings import Recording
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 
 MODEL = ServoModel()
 SWAPPED = {
@@ -24,10 +23,10 @@ OPPOSITE = {"pressure_a": "pressure_b", "pressure_b": "pressure_a"}
 @pytest.fixture(scope="module")
 def both():
     """Return what is followed of a recording, and of its mirror image on the mirrored rig."""
-    grid = from_rig.valve_grid
+    grid = plant_numbers.valve_grid
     with pytest.MonkeyPatch.context() as patch:
         # One table of discharge coefficients for all four edges.
-        for module in (from_rig, run_observer):
+        for module in (plant_numbers, run_observer):
             patch.setattr(module, "valve_grid", lambda valve: np.repeat(grid(valve)[:1], 4, axis=0))
         rig = load_rig("single-axis")
         pairs = [*SWAPPED.items(), *((b, a) for a, b in SWAPPED.items())]

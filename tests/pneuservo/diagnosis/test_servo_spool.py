@@ -5,15 +5,14 @@ import pytest
 
 from pneuservo.diagnosis.models.servo.command import held_command, running_command
 from pneuservo.diagnosis.models.servo.spool import ENDED, arriving, follow_spool, move_spool
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.servo.layout import MEMORY, Servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.spool_effects import SpoolEffects
 from pneuservo.plant.single_axis import PLANT_STATES, SPOOL
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 
-PLANT = from_rig.single_axis(load_rig("single-axis"))
+PLANT = plant_numbers.single_axis(load_rig("single-axis"))
 VALVE = PLANT.valve
 TIME = np.arange(0.0, 0.02, 1e-3)
 JUMP = 0.006

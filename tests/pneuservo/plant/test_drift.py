@@ -12,7 +12,6 @@ from analog_card.design_file import load_design
 from pneuservo.controllers import card_of
 from pneuservo.effects.unexplained import DRIFT
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.servo.drift import (
     DRIFTING,
@@ -24,6 +23,7 @@ from pneuservo.plant.servo.drift import (
 from pneuservo.plant.servo.layout import Servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.unexplained_effects import INTERVALS, Table
+from pneuservo.rigs import plant_numbers
 from pneuservo.simulation import InitialState, simulate
 
 # Pressures at rest would follow the mass.
@@ -104,7 +104,7 @@ def test_a_drift_begins_where_the_parameter_still_has_its_value():
 
 
 def test_a_drift_of_nothing_leaves_every_number_in_its_place():
-    servo = numbered(Servo(from_rig.single_axis(RIG), NEUTRAL, OPEN_LOOP), itertools.count(1))
+    servo = numbered(Servo(plant_numbers.single_axis(RIG), NEUTRAL, OPEN_LOOP), itertools.count(1))
     # Rounding of the transducer's gain alone, which stands as a difference from one.
     expected = pytest.approx(flat(servo), rel=1e-12)
     for which in range(len(DRIFTING)):

@@ -8,7 +8,6 @@ import numba
 import numpy as np
 import pytest
 
-from pneuservo.plant import from_rig
 from pneuservo.plant.gas import ideal_gas, mass_flow_coefficient, subsonic_coefficient
 from pneuservo.plant.lane_arrays import (
     load_lane,
@@ -21,7 +20,7 @@ from pneuservo.plant.lane_arrays import (
 )
 from pneuservo.plant.lanes import WIDTH, both, first_lane, lanes_that, select, whole
 from pneuservo.plant.valve import chamber_a_mass_flow, chamber_b_mass_flow
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 
 
 class Numbers(NamedTuple):
@@ -80,7 +79,10 @@ def flows(columns, plant, grid, out):
 
 
 def test_valve_flow_in_lanes_is_that_of_one_run():
-    plant, grid = from_rig.single_axis(load_rig("single-axis")), from_rig.valve_grid("ddv-27a1")
+    plant, grid = (
+        plant_numbers.single_axis(load_rig("single-axis")),
+        plant_numbers.valve_grid("ddv-27a1"),
+    )
     opening = np.array([-1.2, -0.4, -1e-3, 0.0, math.nan, 0.01, 0.5, 1.2])
     pressure = np.array([1e5, 2e5, 7e5, 4e5, 4e5, 1.1e5, 6.6e5, 3e5])
     out = np.empty((2, WIDTH))
@@ -94,7 +96,10 @@ def test_valve_flow_in_lanes_is_that_of_one_run():
 
 
 def test_lanes_are_kept_in_wide_registers():
-    plant, grid = from_rig.single_axis(load_rig("single-axis")), from_rig.valve_grid("ddv-27a1")
+    plant, grid = (
+        plant_numbers.single_axis(load_rig("single-axis")),
+        plant_numbers.valve_grid("ddv-27a1"),
+    )
     out = np.empty((2, WIDTH))
     flows(np.full((2, WIDTH), 0.5), plant, grid, out)
     (assembly,) = flows.inspect_asm().values()

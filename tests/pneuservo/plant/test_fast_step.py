@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from analog_card.design_file import load_design
 from analog_card.figures import card_figures
 from pneuservo.controllers import AnalogueCard, SlidingMode
-from pneuservo.plant import from_rig, integrator, single_run
+from pneuservo.plant import integrator, single_run
 from pneuservo.plant.exponential import (
     LONGEST_STEP,
     ROWS,
@@ -21,12 +21,12 @@ from pneuservo.plant.exponential import (
 )
 from pneuservo.plant.lanes import WIDTH
 from pneuservo.plant.outputs import OUTPUTS
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 from pneuservo.simulation.run import with_card_at_rest
 
 RIG = load_rig("single-axis")
-PLANT, GRID = from_rig.single_axis(RIG), from_rig.valve_grid("ddv-27a1")
+PLANT, GRID = plant_numbers.single_axis(RIG), plant_numbers.valve_grid("ddv-27a1")
 CARD = AnalogueCard(card_figures(load_design()))
 RELAY_CARD = AnalogueCard(replace(CARD.figures, output_gain=math.inf))
 TIME = np.arange(0.0, 0.1505, 1e-3)

@@ -10,7 +10,7 @@ from analog_card.differentiator import differentiator_pair
 from pneuservo.errors import InputError
 from pneuservo.plant import valve as valve_kernels
 from pneuservo.plant.analogue_card import differentiator_output, differentiator_rates
-from pneuservo.plant.from_rig import single_axis, valve_grid
+from pneuservo.plant.flow_paths import FLOW_PATHS, FlowPathTable
 from pneuservo.plant.gas import ideal_gas, mass_flow_coefficient, orifice_mass_flow
 from pneuservo.plant.piston import (
     AT_EXTENDED_STOP,
@@ -23,7 +23,7 @@ from pneuservo.plant.piston import (
 )
 from pneuservo.plant.valve import discharge_coefficient, discharge_grid
 from pneuservo.rigs import load_rig, load_valve_tables
-from pneuservo.rigs.valve_tables import FLOW_PATHS, FlowPathTable
+from pneuservo.rigs.plant_numbers import single_axis, valve_grid
 
 AIR = (293.0, 287.0, 1.4)
 

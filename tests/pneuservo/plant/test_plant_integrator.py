@@ -7,18 +7,18 @@ import pandas
 from scipy.integrate import solve_ivp
 
 from pneuservo.controllers import SlidingMode
-from pneuservo.plant import from_rig, integrator
+from pneuservo.plant import integrator
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.events import margin, settle
 from pneuservo.plant.integrator import OUTPUTS, runge_kutta_step
 from pneuservo.plant.piston import motion_from
 from pneuservo.plant.single_axis import derivative, piston_force
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 
 GOLDEN = Path(__file__).parents[2] / "golden"
 RIG = load_rig("single-axis")
-PLANT = from_rig.single_axis(RIG)
-GRID = from_rig.valve_grid("ddv-27a1")
+PLANT = plant_numbers.single_axis(RIG)
+GRID = plant_numbers.valve_grid("ddv-27a1")
 STATES = ("displacement", "velocity", "pressure_a", "pressure_b", "spool")
 PLACES = [OUTPUTS.index(name) for name in STATES]
 # How far beyond an event the state is carried, so that its margin is surely negative.

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from pneuservo.controllers import Proportional, SlidingMode
-from pneuservo.plant import from_rig, integrator
+from pneuservo.plant import integrator
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.single_axis import PLANT_STATES
 from pneuservo.plant.valve import chamber_a_mass_flow, chamber_b_mass_flow
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate, simulate_dead_volume
 
 RIG = load_rig("single-axis")
@@ -70,7 +70,7 @@ def test_mass_that_flows_in_is_what_the_chambers_gain():
     rate = 50e3
     time = np.arange(0.0, 0.2, 1.0 / rate)
     run = simulate(time=time, command=np.where(time < 0.1, 1.0, -1.5))
-    plant, grid = from_rig.single_axis(RIG), from_rig.valve_grid("ddv-27a1")
+    plant, grid = plant_numbers.single_axis(RIG), plant_numbers.valve_grid("ddv-27a1")
     edges = (plant.supply_pressure, plant.ambient_pressure, plant.valve, plant.gas, grid)
     x = run["displacement"]
     for name, flow, area, volume in (
@@ -111,13 +111,13 @@ def test_a_piston_at_a_stop_stays_until_it_is_pulled_off():
 
 
 def test_a_symmetric_rig_moves_symmetrically():
-    plant = from_rig.single_axis(
+    plant = plant_numbers.single_axis(
         RIG.with_values({"piston.area_b": RIG["piston.area_a"], "load.gravity": 0.0})
     )
     plant = plant._replace(
         valve=plant.valve._replace(area_b_e=8e-7, area_a_e=8e-7, area_s_a=8e-7, area_s_b=8e-7)
     )
-    grid = np.repeat(from_rig.valve_grid("ddv-27a1")[:1], 4, axis=0)
+    grid = np.repeat(plant_numbers.valve_grid("ddv-27a1")[:1], 4, axis=0)
     start = np.zeros(PLANT_STATES)
     start[:] = [0.015, 0.0, 4e5, 4e5, 0.0, 0.0]
     time = np.arange(0.0, 0.1, 1e-3)
@@ -137,7 +137,7 @@ def test_a_symmetric_rig_moves_symmetrically():
 
 def test_fourth_order_on_a_smooth_stretch():
     # One discharge coefficient, one direction, one side of the critical ratio: no kinks.
-    plant = from_rig.single_axis(RIG)
+    plant = plant_numbers.single_axis(RIG)
     grid = np.full((4, 51, 101), 0.7)
     start = np.array([0.012, 0.05, 4.6e5, 5.5e5, 0.3, 0.0])
     time, inputs = np.array([0.0, 0.02]), np.tile([2.0, 0.0], (2, 1))

@@ -7,7 +7,6 @@ import pytest
 
 from pneuservo.controllers import Proportional
 from pneuservo.effects import effects_of
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.gas import gas_mass_flow
 from pneuservo.plant.servo.drive import past
@@ -23,12 +22,12 @@ from pneuservo.plant.servo.stop_effects import StopEffects, bumper_force
 from pneuservo.plant.servo.transducers import play, read_pressures, true_motion, true_pressures
 from pneuservo.plant.servo.valve_effects import ValveEffects, in_series, pressure_behind, silenced
 from pneuservo.plant.servo.valve_side import valve_flows
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 
 RIG = load_rig("single-axis")
-PLANT = from_rig.single_axis(RIG)
-GRID = from_rig.valve_grid("ddv-27a1")
+PLANT = plant_numbers.single_axis(RIG)
+GRID = plant_numbers.valve_grid("ddv-27a1")
 EFFECTS = effects_of("single-axis", tables=True)
 TWO_SIGNED = [effect for effect in EFFECTS if effect.parameters[0].low < 0.0]
 TIME = np.arange(0.0, 0.5, 1e-3)

@@ -8,17 +8,16 @@ import pytest
 from scipy.integrate import simpson
 
 from pneuservo.effects.servo import servo_effects
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.servo.layout import OUTPUTS, Servo
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.starting import servo_inputs, servo_state
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 
 RIG = load_rig("single-axis")
-PLANT = from_rig.single_axis(RIG)
+PLANT = plant_numbers.single_axis(RIG)
 SMOOTH = np.full((4, 51, 101), 0.7)
 FRICTIONLESS = {"piston.coulomb_friction": 0.0, "piston.viscous_friction": 0.0}
 
@@ -165,7 +164,7 @@ def test_nothing_moves_below_breakaway(share, moves):
 
 
 def test_a_symmetric_rig_with_effects_moves_symmetrically():
-    plant = from_rig.single_axis(
+    plant = plant_numbers.single_axis(
         RIG.with_values({"piston.area_b": RIG["piston.area_a"], "load.gravity": 0.0})
     )
     plant = plant._replace(

@@ -9,7 +9,6 @@ import pytest
 from analog_card.design_file import load_design
 from analog_card.figures import card_figures
 from pneuservo.controllers import AnalogueCard, SlidingMode
-from pneuservo.plant import from_rig
 from pneuservo.plant.control_law import OPEN_LOOP
 from pneuservo.plant.integrator import run
 from pneuservo.plant.servo.layout import OUTPUTS, SERVO_STATES, Servo
@@ -17,14 +16,14 @@ from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.starting import servo_inputs, servo_state
 from pneuservo.plant.single_axis import STATES_WITH_CARD
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 
 GOLDEN = Path(__file__).parents[2] / "golden"
 RIG = load_rig("single-axis")
-PLANT = from_rig.single_axis(RIG)
+PLANT = plant_numbers.single_axis(RIG)
 CARD = AnalogueCard(card_figures(load_design()))
-GRID = from_rig.valve_grid("ddv-27a1")
+GRID = plant_numbers.valve_grid("ddv-27a1")
 # Both integrate the same equations by the same steps and locate the same events; rounding grows
 # with the 100 or so events of a run.
 ROUNDING = 1e-9

@@ -11,11 +11,11 @@ from analog_card.design_file import load_design
 from pneuservo.command_line import main
 from pneuservo.controllers import SlidingMode, card_of
 from pneuservo.errors import InputError
-from pneuservo.plant.from_rig import single_axis
 from pneuservo.plant.gas import gas_mass_flow
 from pneuservo.plant.servo.valve_effects import pressure_behind
 from pneuservo.recordings import Recording
 from pneuservo.rigs import VARIANTS, load_rig
+from pneuservo.rigs.plant_numbers import single_axis
 from pneuservo.simulation import InitialState, replay, simulate
 from pneuservo.simulation.servo import state_behind
 

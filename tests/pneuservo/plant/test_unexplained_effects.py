@@ -6,7 +6,6 @@ from swinging_servo import BASELINE, RIG, TIME, assert_same, run
 
 from pneuservo.effects.servo import servo_effects
 from pneuservo.errors import InputError
-from pneuservo.plant import from_rig
 from pneuservo.plant.gas import gas_mass_flow
 from pneuservo.plant.servo import unexplained_effects as tables
 from pneuservo.plant.servo.servo_effects import NEUTRAL
@@ -17,10 +16,10 @@ from pneuservo.plant.servo.unexplained_effects import (
     tabulated,
     unexplained_force,
 )
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState
 
-PLANT = from_rig.single_axis(RIG)
+PLANT = plant_numbers.single_axis(RIG)
 STROKE = PLANT.piston.stroke
 # Displacement, velocity, both pressures, spool, time; each over its own range.
 STATE = (0.012, 0.2, 4.2e5, 5.1e5, -0.3, 1.7)

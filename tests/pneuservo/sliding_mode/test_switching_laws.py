@@ -7,16 +7,12 @@ import pytest
 
 from analog_card.linear_servo import LinearServo
 from pneuservo.controllers import SlidingMode
+from pneuservo.controllers.boundary_layer import boundary_layer, smooth_boundary_layer
 from pneuservo.errors import InputError
 from pneuservo.linear import advanced_servo, table_5_2, without_valve
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import InitialState, simulate
-from pneuservo.sliding_mode.boundary_layer import (
-    boundary_layer,
-    layer_cut_off,
-    layer_width,
-    smooth_boundary_layer,
-)
+from pneuservo.sliding_mode.boundary_layer import layer_cut_off, layer_width
 from pneuservo.sliding_mode.equivalent_control import servo_gains
 from pneuservo.sliding_mode.laws import (
     IntegralAction,

@@ -111,8 +111,8 @@ def _noise(recording: Recording, channel: str, rig: Rig) -> float:
 
 def _pressures(recording: Recording, rig: Rig, force: float) -> Array:
     """Return both pressures, a missing one as it would be with the piston at rest."""
-    from pneuservo.plant.from_rig import single_axis
     from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B
+    from pneuservo.rigs.plant_numbers import single_axis
     from pneuservo.simulation.initial_state import InitialState
 
     time = recording.time

@@ -128,7 +128,7 @@ def _lefts(cases: Sequence[Case], residuals: Sequence[Array]) -> list[_Left]:
 
 
 def _moved_by_noise(fed: Feed, rig: Rig) -> dict[str, float]:
-    from pneuservo.plant.from_rig import single_axis
+    from pneuservo.rigs.plant_numbers import single_axis
 
     moved = fed.noise["displacement"]
     rises = rise_per_metre(fed.pressures, fed.motion[0], single_axis(rig))

@@ -23,7 +23,6 @@ from pneuservo.diagnosis.models.servo.supply import expected_supply
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
-from pneuservo.plant.from_rig import single_axis, valve_grid
 from pneuservo.plant.servo.drift import (
     behind_drift,
     behind_reference,
@@ -46,6 +45,7 @@ from pneuservo.plant.single_axis import (
     SingleAxis,
 )
 from pneuservo.rigs import Rig
+from pneuservo.rigs.plant_numbers import single_axis, valve_grid
 
 ZERO_FORCE = "zero_force"
 """What the drift of the pressure transducers' zeros makes of the force in one recording [N]."""

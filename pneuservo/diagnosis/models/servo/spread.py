@@ -56,7 +56,7 @@ def spread_of_pressures(
         the transducers wander, one for what a command does between two samples, one for what
         cannot be judged, and one for a motion that is taken over.
     """
-    from pneuservo.plant.from_rig import single_axis
+    from pneuservo.rigs.plant_numbers import single_axis
 
     plant = single_axis(rig)
     steps = np.diff(time, append=time[-1] + (time[-1] - time[-2]))
@@ -102,7 +102,7 @@ def rise_per_metre(pressures: Array, displacement: Array, plant: SingleAxis) -> 
 
     Examples
     --------
-    >>> from pneuservo.plant.from_rig import single_axis
+    >>> from pneuservo.rigs.plant_numbers import single_axis
     >>> from pneuservo.rigs import load_rig
     >>> plant = single_axis(load_rig("single-axis"))
     >>> middle = np.array([0.5 * plant.piston.stroke])
@@ -135,7 +135,7 @@ def shares_of_spool(time: Array, unseen: Array, reading: Array, noise: float, ri
         has followed it: what it did in between is not known; 0 where there is no reading, and until
         the spool has forgotten what the command was before the first sample [-].
     """
-    from pneuservo.plant.from_rig import single_axis
+    from pneuservo.rigs.plant_numbers import single_axis
 
     valve = single_axis(rig).valve
     _, off = _unseen_opening(time, unseen, valve)

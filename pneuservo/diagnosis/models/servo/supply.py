@@ -39,7 +39,7 @@ def expected_supply(
 
     Examples
     --------
-    >>> from pneuservo.plant.from_rig import single_axis
+    >>> from pneuservo.rigs.plant_numbers import single_axis
     >>> from pneuservo.rigs import load_rig
     >>> plant = single_axis(load_rig("single-axis"))
     >>> t = np.array([0.0, 0.1])
