@@ -1,5 +1,6 @@
 """Writing files whole or not at all."""
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterable, Mapping
@@ -27,7 +28,7 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     Raises
     ------
     OSError
-        When the folder cannot be written to.
+        When the folder cannot be written to, or the path is that of a folder.
 
     Examples
     --------
@@ -40,7 +41,9 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     data = content.encode("utf-8") if isinstance(content, str) else content
     target = path.resolve()
-    if target.exists() and not target.is_file() and not target.is_dir():
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "is a folder; name a file in it", str(path))
+    if target.exists() and not target.is_file():
         target.write_bytes(data)
         return path
     descriptor, scratch = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)

@@ -21,6 +21,7 @@ _COMMANDS = {
     "figure": "Move an animated figure, and see what its axes do to each other.",
     "identify": "Identify mass, friction and other values of a rig from recordings.",
     "limit-cycle": "Find how fast and how far a sliding-mode loop chatters, by every method.",
+    "rigs": "List the built-in rigs, or write one out to make your own of it.",
     "simulate": "Simulate a rig: replay a recording's command, or close a loop.",
     "thesis": "Recompute the thesis' tables and stated results, with a verdict on each.",
     "tolerance": "Study what tolerances of the card do to the closed loop.",

@@ -1,7 +1,7 @@
 """Rigs as data: one TOML per rig, every value with unit and source."""
 
 from pneuservo.plant.flow_paths import FlowPathTable
-from pneuservo.rigs.rig import BUILT_IN_RIGS, VARIANTS, Parameter, Rig, load_rig
+from pneuservo.rigs.rig import BUILT_IN_RIGS, VARIANTS, Parameter, Rig, built_in_text, load_rig
 from pneuservo.rigs.session import Session
 from pneuservo.rigs.transducers import Transducer
 from pneuservo.rigs.valve_tables import load_valve_tables
@@ -14,6 +14,7 @@ __all__ = [
     "Rig",
     "Session",
     "Transducer",
+    "built_in_text",
     "load_rig",
     "load_valve_tables",
 ]

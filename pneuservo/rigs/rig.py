@@ -227,8 +227,35 @@ def load_rig(name_or_path: str | Path) -> Rig:
     return _merge(read_toml(path, "a rig file", InputError), path)
 
 
+def built_in_text(name: str) -> str:
+    """Return the file of a built-in rig, which is a rig file like any other.
+
+    Parameters
+    ----------
+    name : str
+        A name of `BUILT_IN_RIGS` or `VARIANTS`.
+
+    Returns
+    -------
+    str
+        Its text, comments and sources included.
+
+    Raises
+    ------
+    InputError
+        When there is no such rig.
+
+    Examples
+    --------
+    >>> '"load.mass" = { value = 1.825, unit = "kg"' in built_in_text("single-axis")
+    True
+    """
+    require_known(name, (*BUILT_IN_RIGS, *VARIANTS), "rig")
+    return (files("pneuservo.rigs") / f"{name}.toml").read_text(encoding="utf-8")
+
+
 def _read_built_in(name: str) -> dict[str, Any]:
-    return tomllib.loads((files("pneuservo.rigs") / f"{name}.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(built_in_text(name))
 
 
 def _built_in(name: str) -> Rig:
@@ -341,15 +368,22 @@ def _effect(entry: Any, known: Mapping[str, Any], what: str) -> dict[str, float]
     for key, value in entry.items():
         require_known(key, known, what)
         number = value.get("value") if isinstance(value, dict) else value
-        if not isinstance(number, int | float) or isinstance(number, bool):
-            raise InputError(f"{what} {key}: {number!r} is not a number in SI")
-        parameter = known[key]
+        where, parameter = f"{what} {key}", known[key]
+        if not isinstance(number, int | float | str) or isinstance(number, bool):
+            raise InputError(f"{where}: {number!r} is not a number")
         if isinstance(value, dict):
-            _require_unit(value, parameter.unit, f"{what} {key}")
-        try:
-            values[key] = to_si(number, "", f"{what} {key}")
-        except QuantityError as problem:
-            raise InputError(str(problem)) from problem
+            _require_unit(value, parameter.unit, where)
+        values[key] = _size(number, parameter.unit, where)
         if values[key] < 0.0 <= parameter.low:
             raise InputError(f"{what} {key}: is {number:g} {parameter.unit}; it cannot be negative")
     return values
+
+
+def _size(number: float | str, unit: str, where: str) -> float:
+    """Return a parameter of an effect in SI; one in kelvin is a difference of temperatures."""
+    if unit == "K" and isinstance(number, str) and not number.rstrip().endswith("K"):
+        raise InputError(f"{where}: {number!r} may be no difference of temperatures; write it in K")
+    try:
+        return to_si(number, unit.replace("^", "**"), where)
+    except QuantityError as problem:
+        raise InputError(str(problem)) from problem

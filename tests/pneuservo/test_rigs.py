@@ -90,6 +90,22 @@ def test_a_file_may_hold_effects(tmp_path):
     assert load_rig(path).effect_values == {"friction.pressure:slope": 1e-6}
 
 
+def test_effects_take_units_as_parameters_do(tmp_path):
+    path = write(
+        tmp_path,
+        '[rig]\nkind = "single-axis"\n[effects]\n'
+        '"sensor.quantisation" = { displacement = "7.3 um", pressure = "0.5 kPa" }\n'
+        '"valve.upstream-temperature" = { difference = "-8 K" }\n',
+    )
+    assert load_rig(path).effect_values == pytest.approx(
+        {
+            "sensor.quantisation:displacement": 7.3e-6,
+            "sensor.quantisation:pressure": 500.0,
+            "valve.upstream-temperature:difference": -8.0,
+        }
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -110,6 +126,15 @@ def test_a_file_may_hold_effects(tmp_path):
         (
             '[rig]\nkind = "single-axis"\n[effects."leakage.rod-seal"]\narea = { value = -1e-8 }',
             "cannot be negative",
+        ),
+        (
+            '[rig]\nkind = "single-axis"\n[effects."sensor.quantisation"]\npressure = "5 mm"',
+            "a pressure is needed",
+        ),
+        (
+            '[rig]\nkind = "single-axis"\n'
+            '[effects."valve.upstream-temperature"]\ndifference = "5 degC"',
+            "write it in K",
         ),
         ("[rig\n", "not valid TOML"),
         ("a = " + "[" * 5000, "not valid TOML"),

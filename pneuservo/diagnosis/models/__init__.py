@@ -41,4 +41,25 @@ def model_of(kind: str, without: frozenset[str] = frozenset()) -> Model:
     return _MODELS[kind](without)
 
 
-__all__ = ["AnalogueCardModel", "Case", "Model", "Unknown", "model_of"]
+def required_channels(kind: str) -> tuple[str, ...] | None:
+    """Return the channels that a diagnosis of a kind of rig cannot do without.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of rig.
+
+    Returns
+    -------
+    tuple of str or None
+        None when the diagnosis does not cover it.
+
+    Examples
+    --------
+    >>> required_channels("dead-volume"), required_channels("figure-arm")
+    (('dead_volume_pressure',), None)
+    """
+    return _MODELS[kind].required if kind in _MODELS else None
+
+
+__all__ = ["AnalogueCardModel", "Case", "Model", "Unknown", "model_of", "required_channels"]
