@@ -10,7 +10,7 @@ from analog_card.verification import Verification, verify
 from pneuservo.controllers import AnalogueCard
 from pneuservo.diagnosis import Diagnosis, diagnose
 from pneuservo.examples.leaking_volume import write_example
-from pneuservo.recordings import read_recording
+from pneuservo.recordings import Recording, read_recording
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import Simulation, simulate, step_demand
 
@@ -34,25 +34,23 @@ class Demo:
         The card and the baseline plant in closed loop.
     diagnosis : Diagnosis
         Of the user's recording, or of the example.
-    recording : Path
-        The recording that was diagnosed.
-    example : bool
-        Whether it is the program's own example.
+    recording : Recording, optional
+        What was diagnosed, unless it was the program's own example.
     """
 
     tuning: Tuning
     verification: Verification
     loop: Simulation
     diagnosis: Diagnosis
-    recording: Path
-    example: bool
+    recording: Recording | None
 
 
 def run_demo(
     folder: Path,
-    recording: Path | None = None,
+    recording: Recording | None = None,
     seed: int = 0,
     progress: Callable[[str], None] = lambda step: None,
+    jobs: int = 1,
 ) -> Demo:
     """Run the main job.
 
@@ -60,12 +58,14 @@ def run_demo(
     ----------
     folder : Path
         Where the example recording is written when none is given.
-    recording : Path, optional
-        The user's own recording.
+    recording : Recording, optional
+        The user's own.
     seed : int, optional
         Seed of the example's noise.
     progress : callable, optional
         Told in words what is running.
+    jobs : int, optional
+        How many processors the diagnosis takes.
 
     Returns
     -------
@@ -79,11 +79,7 @@ def run_demo(
     SimulationError
         When ngspice fails.
     """
-    # The recording first: a mistake in it should not cost the user the other steps' time.
-    example = recording is None
-    path = write_example(folder / "example", seed) if recording is None else recording
-    progress("reading the recording")
-    read = read_recording(path)
+    read = recording or read_recording(write_example(folder / "example", seed))
     progress("tuning the card")
     tuning = tune(SETTLING_TIME, DAMPING, BOUNDARY_LAYER, LEVEL)
     verification = verify(tuning.design, lambda step: progress(f"ngspice: {step}"))
@@ -92,7 +88,8 @@ def run_demo(
     loop = simulate(
         load_rig("single-axis"), time=time, demand=demand, controller=AnalogueCard(tuning.figures)
     )
-    return Demo(tuning, verification, loop, diagnose([read], progress=progress), path, example)
+    found = diagnose([read], progress=progress, jobs=jobs)
+    return Demo(tuning, verification, loop, found, recording)
 
 
 def summary(demo: Demo, answer: dict[str, Any]) -> dict[str, Any]:

@@ -7,8 +7,9 @@ import click
 
 from analog_card.console import Count, progress
 from analog_card.design_file import design_to_toml
-from analog_card.files import require_apart, write_files
+from analog_card.files import write_files
 from analog_card.plain_json import plain_json
+from pneuservo.command_line.recording_files import read, require_unread
 
 _EPILOG = """\b
 Examples:
@@ -40,12 +41,14 @@ def command(out: Path, recording: Path | None, seed: int) -> None:
     from pneuservo.report.answer_files import NAMES, answer_files
     from pneuservo.report.demo_page import demo_page
     from pneuservo.report.words import headline
+    from pneuservo.simulation.trials import processors
 
-    if recording is not None:
-        outputs = [out / name for name in (*NAMES, "card.toml", "summary.json")]
-        require_apart(outputs, [recording, recording.with_suffix(".toml")])
+    # The recording first: a mistake in it should not cost the user the other steps' time.
+    source = None if recording is None else read(str(recording), None)
+    if source is not None:
+        require_unread([out / name for name in (*NAMES, "card.toml", "summary.json")], [source])
     with progress() as step:
-        demo = run_demo(out, recording, seed, step)
+        demo = run_demo(out, source, seed, step, processors())
         step("writing the report")
         answer = document(demo.diagnosis)
         files = {
