@@ -1,6 +1,7 @@
 """Numbers with units, as people type them, turned into SI."""
 
 import math
+import numbers
 import re
 from collections.abc import Sequence
 from functools import cache
@@ -13,7 +14,10 @@ from analog_card.errors import InputError
 _POWER = re.compile(r"\*\*|\^")
 _SMALL_POWER = re.compile(r"(?:\*\*|\^)\s*-?\d(?!\s*(?:\d|\.|[eE][+-]?\d|\*\*|\^))")
 _LONGEST = 80
-_NUMBER = re.compile(r"[-+]?[.\d]+([eE][-+]?\d+)?")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+# What may stand behind a number: a unit, perhaps 1/ ahead of it. Not another number, as behind a
+# decimal comma or a space between thousands, for pint would multiply the two; nor a sum.
+_UNIT = re.compile(r"(?!.*[^\s*/^(]\s+\d)(?:1?\s*/\s*)?(?![\d*/^])(?:[^,;+-]|(?<=[*^])\s*-)*")
 # A power written the way people type it, as in m/s2 and cm3; pint wants s**2 and cm**3.
 _TYPED_POWER = re.compile(r"\b([A-Za-zµ]+)([23])\b")
 
@@ -113,6 +117,11 @@ def unit_of(value: str) -> str:
     return _NUMBER.sub("", value, count=1).strip()
 
 
+def _is_number_with_unit(text: str) -> bool:
+    number = _NUMBER.match(text)
+    return number is not None and _UNIT.fullmatch(text[number.end() :].strip()) is not None
+
+
 def unit_factor(found: str, unit: str, what: str = "unit") -> tuple[float, float]:
     """Return scale and offset that turn numbers in one unit into another.
 
@@ -140,9 +149,13 @@ def unit_factor(found: str, unit: str, what: str = "unit") -> tuple[float, float
     >>> unit_factor("mm", "m")
     (0.001, 0.0)
     """
+    if _NUMBER.match(found.strip()) and not found.strip().startswith(("1/", "1 /")):
+        raise InputError(f"{what}: {found!r} begins with a number; a unit alone is needed")
     at_zero = _convert(f"0 {found}", unit, what)
-    at_one = _convert(f"1 {found}", unit, what)
-    return at_one - at_zero, at_zero
+    scale = _convert(f"1 {found}", unit, what) - at_zero
+    if not (math.isfinite(scale) and scale):
+        raise InputError(f"{what}: {found!r} is not a unit")
+    return scale, at_zero
 
 
 def as_text(value: float, unit: str, digits: int = 12) -> str:
@@ -174,9 +187,9 @@ def as_text(value: float, unit: str, digits: int = 12) -> str:
 
 def _convert(value: str | float, unit: str, what: str) -> float:
     unit = _TYPED_POWER.sub(r"\1**\2", unit)
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
+    if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
         raise InputError(f"{what}: {value!r} is not a quantity{_example(unit)}")
-    if isinstance(value, int | float):
+    if isinstance(value, numbers.Real):
         try:
             return float(value)
         except OverflowError:  # a whole number of any length
@@ -185,9 +198,12 @@ def _convert(value: str | float, unit: str, what: str) -> float:
     import pint
 
     registry = _registry()
-    if len(value) > _LONGEST or len(_POWER.findall(value)) != len(_SMALL_POWER.findall(value)):
+    harmless = len(_POWER.findall(value)) == len(_SMALL_POWER.findall(value))
+    if len(value) > _LONGEST or not harmless or not _is_number_with_unit(value.strip()):
+        comma = "; a decimal point is needed in place of the comma" if "," in value else ""
         raise InputError(
-            f"{what}: {value[:_LONGEST]!r} cannot be read as a number with a unit{_example(unit)}"
+            f"{what}: {value[:_LONGEST]!r} cannot be read as a number with a unit"
+            f"{comma}{_example(unit)}"
         )
     try:
         # Parsed as number and unit, never evaluated as an expression with functions.

@@ -3,8 +3,12 @@
 from dataclasses import dataclass
 
 from analog_card.design import Design
+from analog_card.errors import InputError
 from analog_card.figures import card_figures
 from analog_card.settings import boundary_layer_at
+
+_SHORTEST = 1e-6
+"""Settling time of a sliding surface times its damping, at the least [s]."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,11 @@ def state_weights(settling_time: float, damping: float) -> tuple[float, float]:
     damping : float
         Its damping ratio.
 
+    Raises
+    ------
+    InputError
+        When the surface would be faster than any servo.
+
     Notes
     -----
     Thesis (7.3), (7.4): c1 = wn^2, c2 = 2 zeta wn.
@@ -51,6 +60,11 @@ def state_weights(settling_time: float, damping: float) -> tuple[float, float]:
     >>> [round(weight, 1) for weight in state_weights(0.07, 1.0)]
     [3265.3, 114.3]
     """
+    if damping * settling_time < _SHORTEST:
+        raise InputError(
+            f"settling time {settling_time:g} s with damping {damping:g}: no surface is so fast; "
+            f"their product has to be {_SHORTEST:g} s or more"
+        )
     frequency = 4 / (damping * settling_time)
     return frequency**2, 2 * damping * frequency
 

@@ -7,6 +7,9 @@ from typing import Any
 
 from analog_card.errors import InputError
 
+_LEAST = -(2**63)
+"""The least integer of TOML."""
+
 
 def read_toml(path: str | Path, what: str, error: type[Exception] = InputError) -> dict[str, Any]:
     """Return what a TOML file holds.
@@ -31,7 +34,7 @@ def read_toml(path: str | Path, what: str, error: type[Exception] = InputError) 
         Or what is asked for: when the file cannot be read, or is not UTF-8 or not valid TOML.
     """
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+        data = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as problem:
         raise error(f"{path}: cannot be read: {problem.strerror}; {what} is needed") from problem
     except UnicodeDecodeError as problem:
@@ -39,6 +42,23 @@ def read_toml(path: str | Path, what: str, error: type[Exception] = InputError) 
     # Very deep nesting and very long integers make the parser give up in its own ways.
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as problem:
         raise error(f"{path}: is not valid TOML: {problem}") from problem
+    if _holds_longer_integer(data):
+        raise error(f"{path}: is not valid TOML: an integer has more than 64 bits")
+    return data
+
+
+def _holds_longer_integer(data: Any) -> bool:
+    """Return whether there is an integer beyond what TOML allows, which nothing could print."""
+    left = [data]
+    while left:
+        value = left.pop()
+        if isinstance(value, dict):
+            left.extend(value.values())
+        elif isinstance(value, list):
+            left.extend(value)
+        elif isinstance(value, int) and not _LEAST <= value <= -_LEAST - 1:
+            return True
+    return False
 
 
 def table_in(

@@ -11,6 +11,7 @@ from analog_card.console import Quantity
 from analog_card.design_file import design_to_toml, load_design
 from analog_card.errors import InputError
 from analog_card.files import require_apart, write_whole
+from analog_card.plain_json import plain_json
 from analog_card.quantities import as_text
 from analog_card.reach import sensitivities
 from analog_card.tuning import Tuning, read_settings, with_transducer_gain
@@ -52,7 +53,7 @@ from analog_card.tuning import tune as find_settings
 )
 @click.option(
     "--turns",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=Quantity("", minimum=0.0),
     default=10.0,
     show_default=True,
     help="Turns of each potentiometer from end to end.",
@@ -101,7 +102,7 @@ def command(
     if out is not None:
         write_whole(out, text)
     if as_json:
-        click.echo(json.dumps(tuning.to_dict(turns), indent=2))
+        click.echo(json.dumps(plain_json(tuning.to_dict(turns)), indent=2))
         return
     _print_tuning(tuning, turns)
     _print_limits(tuning)

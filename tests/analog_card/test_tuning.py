@@ -158,3 +158,8 @@ def test_the_resistor_advised_is_enough(tmp_path):
         tune(0.0485)
     file.write_text('[soldered.surface_amplifier]\nvelocity_resistance = "50.5 kohm"\n')
     assert 0.99 < tune(0.0485, design=load_design(file)).design.turned.velocity_weight <= 1
+
+
+def test_a_surface_faster_than_any_servo_is_refused():
+    with pytest.raises(InputError, match="no surface is so fast"):
+        tune(settling_time=1e-300)

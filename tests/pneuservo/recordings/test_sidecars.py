@@ -211,8 +211,18 @@ REFUSED = [
     pytest.param(sidecar("a = 1" + "0" * 5000), ["not valid TOML"], id="a number without end"),
     pytest.param(
         sidecar(channels=channel(f"displacement = {{ column = {X}, scale = 1{'0' * 400} }}")),
+        ["not valid TOML", "64 bits"],
+        id="an integer longer than TOML's",
+    ),
+    pytest.param(
+        sidecar(channels=channel(f"displacement = {{ column = {X}, scale = 1e400 }}")),
         ["finite number"],
         id="a scale beyond range",
+    ),
+    pytest.param(
+        sidecar(channels=channel('displacement = { column = "x", unit = "10 mm" }')),
+        ["10 mm", "is not known"],
+        id="a unit with a number",
     ),
     pytest.param(sidecar("[chanels]\n"), ["'chanels'", "'channels'?"], id="table"),
     pytest.param(sidecar("recording = 3\n"), ["recording is 3", "[recording]"], id="no table"),
