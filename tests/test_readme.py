@@ -43,15 +43,3 @@ def test_python_examples_run(capsys):
         for word, expected in SAID.items():
             if word in example:
                 assert said.startswith(expected)
-
-
-def test_pages_and_pictures_named_exist():
-    headings = [
-        re.sub(r"[^a-z0-9 -]", "", line.strip("# ").lower()).replace(" ", "-")
-        for line in README.splitlines()
-        if line.startswith("#")
-    ]
-    for target in re.findall(r"\]\(([^)]+)\)", README):
-        file, _, heading = target.partition("#")
-        assert not file or (Path(__file__).parents[1] / file).is_file(), target
-        assert not heading or heading in headings, target
