@@ -114,7 +114,7 @@ def closed_loops(
     trials : int, optional
         Drawn at each point of the grid.
     seed : int, optional
-        Of what is drawn.
+        Of what is drawn, noise included: no two runs have the same.
 
     Yields
     ------
@@ -159,10 +159,13 @@ def closed_loops(
         name = values_in_words(values, special)
         try:
             run = (
-                simulate_sample(campaign, values)
+                simulate_sample(campaign, values, index)
                 if isinstance(controller, str)
                 else LoopController(controller).run(
-                    varied_rig(campaign.rig, values), campaign.time, campaign.demand
+                    varied_rig(campaign.rig, values),
+                    campaign.time,
+                    campaign.demand,
+                    seed=(campaign.seed, index),
                 )
             )
         except (InputError, AnalogCardError) as problem:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analog_card.errors import InputError as QuantityError
-from pneuservo.controllers import Proportional, SlidingMode
+from pneuservo.controllers import DigitalSlidingMode, Proportional, SlidingMode
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import load_rig
@@ -207,6 +207,30 @@ def test_loops_of_a_set_are_those_of_one_rig_each():
     assert name == "load.mass 7 kg"
     np.testing.assert_array_equal(run["displacement"], own[name]["displacement"])
     assert run.settling_time() > one.settling_time()
+
+
+@pytest.mark.parametrize("controller", ["digital-sliding-mode", DigitalSlidingMode()])
+def test_trials_of_a_noisy_rig_differ(tmp_path, controller):
+    (tmp_path / "noisy.toml").write_text(
+        '[rig]\nkind = "single-axis"\n[transducers.displacement]\nnoise = "20 um"\n'
+    )
+
+    def displacements(seed):
+        loops = closed_loops(
+            controller,
+            {"load.mass": "1.825 kg"},
+            rig=str(tmp_path / "noisy.toml"),
+            demand="15,24 mm",
+            hold="0.05 s",
+            trials=3,
+            seed=seed,
+        )
+        return [run["displacement"].tolist() for _, run in loops]
+
+    first, second, third = displacements(0)
+    assert first != second != third != first
+    assert displacements(0) == [first, second, third]
+    assert displacements(1)[0] != first
 
 
 def test_loops_that_cannot_be():
