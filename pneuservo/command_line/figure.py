@@ -120,6 +120,9 @@ def command(
     figure = _figure(name, axes, without)
     for axis, effects in figure.left_out.items():
         warn(f"{axis}: left out of the run: {', '.join(effects)}")
+    if out is not None:
+        with writing("--out", out):
+            _require_files(figure, Path(out))
     given = {key: value for key, value in shape.items() if value is not None}
     controlled = loop_controller(controller, given).controller
     time = sampled_time(duration, rate)
@@ -163,12 +166,24 @@ def _figure(name: str, axes: str | None, without: str | None) -> "AnimatedFigure
     return figure
 
 
+def _require_files(figure: "AnimatedFigure", folder: Path) -> None:
+    """Refuse a folder in which the recording of one axis cannot be written."""
+    from pneuservo.recordings.writer import require_recording_file
+
+    for name in figure.axes:
+        require_recording_file(_recording(folder, name))
+
+
 def _write_axes(run: "FigureRun", folder: Path) -> None:
     from pneuservo.recordings import write_recording
 
     folder.mkdir(parents=True, exist_ok=True)
     for name, axis in run.axes.items():
-        write_recording(axis.to_recording(name), folder / f"{name}.csv")
+        write_recording(axis.to_recording(name), _recording(folder, name))
+
+
+def _recording(folder: Path, axis: str) -> Path:
+    return folder / f"{axis}.csv"
 
 
 def _report(run: "FigureRun", controller: str, files: dict[str, str | None]) -> dict[str, Any]:
