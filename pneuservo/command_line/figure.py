@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analog_card.console import Quantity, progress, warn, writing
-from pneuservo.errors import InputError
+from pneuservo.command_line.unused_options import refuse_unused
 
 if TYPE_CHECKING:
     from pneuservo.animated_figure import AnimatedFigure, FigureRun
@@ -115,8 +115,8 @@ def command(
     require_picture("--plot", plot)
     if animation is not None:
         require_animation(animation, "--animation")
-    if moved is not None and motion != "wave":
-        raise InputError(f"--moved is not used by --motion {motion}; leave it out")
+    if motion != "wave":
+        refuse_unused({"moved": moved}, f"--motion {motion}")
     figure = _figure(name, axes, without)
     for axis, effects in figure.left_out.items():
         warn(f"{axis}: left out of the run: {', '.join(effects)}")
