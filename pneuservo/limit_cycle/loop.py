@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from analog_card.linear_servo import LinearServo
 from pneuservo.errors import InputError
 from pneuservo.linear.models import state_space
+from pneuservo.sliding_mode.boundary_layer import WIDTHS
 
 # How velocity and acceleration come about.
 MEASURED, BACKWARD, BILINEAR, ANALOGUE = "measured", "backward", "bilinear", "analogue"
@@ -17,7 +18,7 @@ DIFFERENTIATIONS = (MEASURED, BACKWARD, BILINEAR, ANALOGUE)
 # Lowest and highest value by SI unit, a few orders of magnitude round what a servo can have: beyond
 # them its matrices are rounding. A controller that samples more often is analogue for all that a
 # valve can tell; one that samples less often takes no part in the motion.
-_LIMITS = {"s": (1e-6, 0.1), "Hz": (1e-2, 5e4), "V": (1e-3, 1e3), "m/s2": (1e-3, 1e6)}
+_LIMITS = {"s": (1e-6, 0.1), "Hz": (1e-2, 5e4), "V": (1e-3, 1e3), "m/s2": WIDTHS}
 # Which states a Butterworth filter acts on.
 NO_STATES, ALL_STATES, SOME_STATES = "none", "all", "displacement-velocity"
 FILTERED = (NO_STATES, ALL_STATES, SOME_STATES)
@@ -70,12 +71,9 @@ class Signals:
             raise InputError(
                 f"{self.differentiation} differences need a sampling time greater than 0"
             )
-        for frequency in (
-            self.filter_frequency,
-            *self.velocity_breaks,
-            *self.acceleration_breaks,
-        ):
-            _require_within_limits("frequency", frequency, "Hz")
+        _require_within_limits("filter frequency", self.filter_frequency, "Hz")
+        for frequency in (*self.velocity_breaks, *self.acceleration_breaks):
+            _require_within_limits("break frequency", frequency, "Hz")
 
     @property
     def sampled(self) -> bool:

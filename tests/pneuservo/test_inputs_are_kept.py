@@ -27,6 +27,8 @@ def folder(tmp_path, monkeypatch):
     assert CliRunner().invoke(card, words).exit_code == 0
     time, demand = step_demand([0.015, 0.016], 0.02, 1000.0)
     run = simulate(time=time, demand=demand, controller=Proportional())
+    (tmp_path / "volume.toml").write_text('[rig]\nkind = "dead-volume"\nvalve = "valve.toml"\n')
+    (tmp_path / "valve.toml").write_text("not looked into before it is written over")
     (tmp_path / "set.toml").write_text(f'design = "card.toml"\n{ONE_RIG}')
     for name in ("model", "loop", "samples"):
         write_recording(run.to_recording(name), f"{name}.csv")
@@ -48,6 +50,7 @@ def folder(tmp_path, monkeypatch):
             "rig.toml",
         ),
         (main, "simulate --controller proportional --demand 15mm --out card.csv", "card.toml"),
+        (main, "calibrate --simulate --rig volume.toml --out .", "valve.toml"),
         (main, "tune --design card.toml --vary load.mass=2kg --out .", "card.toml"),
         (main, "tune set.toml --out .", "card.toml"),
         (

@@ -55,7 +55,7 @@ def test_the_slowest_controller_that_is_allowed_is_judged():
         (["--sampling-time", "1"], "sampling time is 1 s; it has to be 0"),
         (["--level", "1e300"], "level is 1e+300 V; it has to be from 0.001 to 1000 V"),
         (["--boundary-layer", "1e-300"], "boundary layer is 1e-300 m/s2; it has to be 0"),
-        (["--filter", "all", "--filter-frequency", "1e300"], "frequency is 1e+300 Hz"),
+        (["--filter", "all", "--filter-frequency", "1e300"], "filter frequency is 1e+300 Hz"),
         (["--differentiation", "analogue", "--break-frequency", "1e7"], "frequency is 1e+07 Hz"),
         (["--differentiation", "analogue", "--break-frequency", "1e-300"], "frequency is 1e-300"),
     ],

@@ -246,7 +246,7 @@ def test_loops_that_cannot_be():
         with pytest.raises(InputError, match=r"demand is \[15, 24\]; give a text .*15,24,6,15 mm"):
             loop("sliding-mode", demand=[15, 24])
         for controller in (3, None, SlidingMode):
-            with pytest.raises(InputError, match="controller is .*; give the name of one"):
+            with pytest.raises(InputError, match=r"controller is .*; give the name of one"):
                 loop(controller)
     with pytest.raises(InputError, match=r"load\.mass"):
         close_loop("sliding-mode", values={"load.mas": 1.0})
