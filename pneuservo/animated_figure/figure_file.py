@@ -1,5 +1,6 @@
 """Figures from TOML files: a frame, and for each axis its rig and the member it turns."""
 
+import re
 import tomllib
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +19,7 @@ _FRAME = {"mass": "kg", "frequency": "Hz", "damping": ""}
 _MEMBER = {"mass": "kg", "inertia": "kg*m**2", "centre": "m", "length": "m"}
 _AXIS = {"lever": "m", "rest_angle": "rad"}
 _AXIS_KEYS = (*_AXIS, "rig", "member", "carried_by", "parameters", "source")
+_NAME = re.compile(r"[\w-]+")
 
 
 def load_figure(name_or_path: str | Path) -> AnimatedFigure:
@@ -67,6 +69,8 @@ def _figure(data: dict[str, Any], name: str, folder: Path | None) -> AnimatedFig
     for key in head:
         require_known(key, ("title", "source", "gravity"), f"{name} [figure]")
     listed = table_in(data, "axes", name, InputError)
+    for key in listed:
+        _require_name(key, f"{name} [axes]")
     axes = {
         key: _axis(table_in(listed, key, f"{name} [axes]", InputError), where, folder)
         for key in listed
@@ -79,6 +83,15 @@ def _figure(data: dict[str, Any], name: str, folder: Path | None) -> AnimatedFig
     return AnimatedFigure(
         name, title, Frame(**_quantities(frame, _FRAME, f"{name} [frame]")), axes, gravity
     )
+
+
+def _require_name(name: str, where: str) -> None:
+    # The recording of an axis is a file of its name.
+    if _NAME.fullmatch(name) is None:
+        raise InputError(
+            f"{where}: {name!r} cannot be the name of an axis, after which its recording is "
+            "called; use letters, digits, - and _, such as left-hip"
+        )
 
 
 def _axis(entry: dict[str, Any], where: str, folder: Path | None) -> Axis:

@@ -18,7 +18,7 @@ from pneuservo.plant.outputs import OUTPUTS
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
 from pneuservo.rigs import plant_numbers
 from pneuservo.simulation.initial_state import InitialState
-from pneuservo.simulation.inputs import require_samples, require_times
+from pneuservo.simulation.inputs import require_kind, require_samples, require_times
 from pneuservo.simulation.run import (
     integration_step,
     require_sound,
@@ -95,8 +95,9 @@ def simulate_figure(
         if name not in figure.axes:
             raise InputError(f"there is no axis {name!r}; the axes are: {', '.join(figure.axes)}")
     held = np.column_stack([_demand(figure, name, demands, times) for name in figure.axes])
-    plants = [plant_numbers.single_axis(axis.rig) for axis in figure.axes.values()]
-    laws = [continuous.law(axis.rig) for axis in figure.axes.values()]
+    rigs = [require_kind(axis.rig, "single-axis", effects=True) for axis in figure.axes.values()]
+    plants = [plant_numbers.single_axis(rig) for rig in rigs]
+    laws = [continuous.law(rig) for rig in rigs]
     numbers = np.array([_floats((law, plant)) for law, plant in zip(laws, plants, strict=True)])
     steps = [
         integration_step(largest_step, plant.valve.spool_frequency, law)

@@ -155,6 +155,8 @@ def _range(varied: Varied, text: str, what: str) -> Grid:
         raise InputError(f"{what}: {count} values; a range has from 2 to {_MOST_VALUES}")
     ends = _grid(varied, parts[:2], what)
     low, high = ends.values
+    if not math.isfinite(high - low):
+        raise InputError(f"{what}: {text!r} is wider than any number; take ends closer together")
     values = tuple(float(value) for value in np.linspace(low, high, count))
     return Grid(varied.name, varied.unit, ends.shown, values)
 
@@ -174,7 +176,8 @@ def _random(varied: Varied, distribution: str, texts: Sequence[str], what: str) 
     if distribution == "normal":
         possible, needed = second > 0, "a standard deviation greater than 0"
     elif distribution == "uniform":
-        possible, needed = first < second, "the lower value first"
+        possible = first < second < math.inf and math.isfinite(second - first)
+        needed = "the lower value first, and a finite number between them"
     else:
         possible, needed = 0 < first < second, "two values greater than 0, the lower first"
     if not possible:

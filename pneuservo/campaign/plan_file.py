@@ -42,6 +42,8 @@ _KEYS: dict[str, tuple[type, ...]] = {
     "seed": (int,),
     "vary": (dict,),
 }
+# Dots in a name are fewer: what a file has more of would only be gone into.
+_MOST_PARTS = 8
 _FILES = {
     "rig": lambda name: name.endswith(".toml"),
     "design": lambda name: True,
@@ -122,7 +124,7 @@ def campaign_of(
     loop = loop_controller(controller, options)
     known = variable_parameters(rig, controller, loop.design, loop.card)
     axes = []
-    for name, given in _flat(settings.get("vary", {})).items():
+    for name, given in _flat(settings.get("vary", {}), where).items():
         require_known(name, known, where)
         several = given if isinstance(given, list | tuple) else [given]
         if any(isinstance(one, bool) or not isinstance(one, str | int | float) for one in several):
@@ -136,6 +138,11 @@ def campaign_of(
     usual = OF_RECORDED if names_recording(settings["demand"]) else OF_SET_POINTS
     metrics = tuple(settings.get("metrics") or usual)
     for metric in metrics:
+        if not isinstance(metric, str):
+            raise InputError(
+                f"metrics: {metric!r} is no text; give names, such as metrics = "
+                f'["settling_time"]. There are: {", ".join(METRICS)}'
+            )
         require_known(metric, METRICS, "metrics")
     return Campaign(
         rig=rig,
@@ -151,12 +158,18 @@ def campaign_of(
     )
 
 
-def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+def _flat(table: Mapping[str, Any], where: str, prefix: str = "", depth: int = 0) -> dict[str, Any]:
     """Return a table by dotted names: TOML makes tables of names that are not quoted."""
+    if depth > _MOST_PARTS:
+        raise InputError(
+            f"{where}: {prefix}... has more parts than any name of a parameter; write it with its "
+            'value, such as "load.mass" = "1.8, 7 kg"'
+        )
     found: dict[str, Any] = {}
     for key, value in table.items():
         inner = isinstance(value, Mapping)
-        found |= _flat(value, f"{prefix}{key}.") if inner else {prefix + key: value}
+        name = prefix + key
+        found |= _flat(value, where, f"{name}.", depth + 1) if inner else {name: value}
     return found
 
 

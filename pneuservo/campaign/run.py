@@ -1,10 +1,12 @@
 """Running a campaign: in processes or on a cluster, kept as it comes, going on after a stop."""
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import pandas as pd
@@ -81,7 +83,8 @@ def run_campaign(
     Raises
     ------
     InputError
-        When the folder holds another campaign, or not one sample can be simulated.
+        When the folder holds another campaign or a damaged sample, or not one sample can be
+        simulated.
 
     Examples
     --------
@@ -94,11 +97,15 @@ def run_campaign(
     True
     """
     count = len(campaign)
+    study = f"campaign {identity(campaign)}"
+    store = None if folder is None else Path(folder) / SAMPLES
+    if store is not None and store.exists():
+        _require_whole(store, study, campaign)
     samples = run_trials(
         partial(run_samples, campaign),
         count,
-        f"campaign {identity(campaign)}",
-        None if folder is None else Path(folder) / SAMPLES,
+        study,
+        store,
         jobs,
         step,
         pool,
@@ -109,6 +116,52 @@ def run_campaign(
             f"not one of {count} samples could be simulated; the first: {samples[0]['error']}"
         )
     return Outcome(campaign, samples)
+
+
+def _require_whole(store: Path, study: str, campaign: Campaign) -> None:
+    """Refuse samples that were kept and are not what the campaign gives, before it goes on.
+
+    Lines that are cut short, and files that hold something else, are dealt with where they are
+    read.
+    """
+    head, *kept = map(_entry, store.read_bytes().splitlines() or [b""])
+    if head.get("study") != study:
+        return
+    for number, entry in enumerate(kept, start=2):
+        if "figures" in entry and not _whole(entry["figures"], campaign):
+            raise InputError(
+                f"{store}: line {number} is no whole sample of this campaign; it needs values of "
+                f"{', '.join(axis.name for axis in campaign.axes)}, the metrics "
+                f"{', '.join(campaign.metrics)}, and error. Delete the line, and the sample is "
+                "simulated again"
+            )
+
+
+def _entry(line: bytes) -> dict[str, Any]:
+    try:
+        entry = json.loads(line)
+    except ValueError:
+        return {}
+    return entry if isinstance(entry, dict) else {}
+
+
+def _whole(figures: Any, campaign: Campaign) -> bool:
+    if not isinstance(figures, dict) or set(figures) != {"values", "metrics", "error"}:
+        return False
+    values, metrics, error = figures["values"], figures["metrics"], figures["error"]
+    return (
+        _numbers(values, [axis.name for axis in campaign.axes], (int, float))
+        and _numbers(metrics, campaign.metrics, (int, float, NoneType))
+        and isinstance(error, str | NoneType)
+    )
+
+
+def _numbers(table: Any, names: Sequence[str], kinds: tuple[type, ...]) -> bool:
+    return (
+        isinstance(table, dict)
+        and set(table) == set(names)
+        and all(isinstance(v, kinds) and not isinstance(v, bool) for v in table.values())
+    )
 
 
 def identity(campaign: Campaign) -> str:

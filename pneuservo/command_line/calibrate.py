@@ -91,25 +91,27 @@ def _recordings(
     seed: int,
     out: Path,
 ) -> Any:
+    from pneuservo.rigs import load_rig
+
+    answers = [out / "valve.toml", out / "calibration.json"]
     if simulated:
         from pneuservo.calibration.experiment import COMMANDS, simulate_transient
         from pneuservo.plant.flow_paths import FLOW_PATHS
         from pneuservo.recordings import write_recording
 
+        name = rig or "dead-volume"
+        require_unread(answers, [], name, load_rig(name).valve)
         for number, path in enumerate(FLOW_PATHS):
             for volts in COMMANDS:
                 made = simulate_transient(
-                    path, volts, rig=rig or "dead-volume", seed=[seed, number, int(10 * volts)]
+                    path, volts, rig=name, seed=[seed, number, int(10 * volts)]
                 )
                 write_recording(made, out / "recordings" / f"{made.name}.csv")
                 yield made
         return
-    from pneuservo.rigs import load_rig
-
     for path in paths:
         recording = read(path, rig, window)
-        valve = load_rig(recording.rig).valve
-        require_unread([out / "valve.toml", out / "calibration.json"], [recording], valve)
+        require_unread(answers, [recording], load_rig(recording.rig).valve)
         yield recording
 
 

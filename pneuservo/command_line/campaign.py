@@ -14,11 +14,14 @@ from pneuservo.command_line.campaign_options import (
     place_of,
     read_given,
     require_one_place,
+    require_settings_kept,
 )
 
 if TYPE_CHECKING:
     from pneuservo.campaign.run import Outcome
 
+# What is written into the folder of --out.
+_FILES, _PICTURE = ("samples.csv", "summary.json"), "metrics.svg"
 # Points of the grid that are printed; all of them are in the folder and in the JSON.
 _MOST_ROWS = 40
 
@@ -61,7 +64,14 @@ Campaign file:
 @click.option("--design", metavar="FILE", help="Design of an analogue card.")
 @click.option("--card", help="What a card is simulated by: figures, behaviour or circuit.")
 @click.option("--without", multiple=True, help="An imperfection that the card is to lack.")
-@click.option("--metric", "metrics", multiple=True, help="What to measure.  [default: all]")
+@click.option(
+    "--metric",
+    "metrics",
+    multiple=True,
+    help="What to measure; may be repeated.  [default: rise_time, settling_time, overshoot, "
+    "steady_state_error, limit_cycle_frequency and limit_cycle_stroke; of a recorded demand "
+    "largest_error and rms_error in place of the first four]",
+)
 @options_of_place
 @click.option(
     "--out",
@@ -93,6 +103,7 @@ def command(
     require_picture("--plot", plot)
     require_one_place(cluster, jobs)
     settings = read_given(file, vary, given)
+    require_settings_kept((*_FILES, _PICTURE), out, file, settings)
     campaign = campaign_of(settings, "--vary" if file is None else f"{file} [vary]", warn)
     with progress(len(campaign)) as step, place_of(cluster, jobs) as (pool, processes):
         outcome = run_campaign(campaign, out, processes, step, pool)
@@ -104,14 +115,11 @@ def _report(outcome: "Outcome", out: str | None, plot: str | None, as_json: bool
     from pneuservo.campaign.summary import summary
 
     report = summary(outcome)
-    files = {
-        "samples.csv": outcome.table().to_csv(),
-        "summary.json": json.dumps(report, indent=2) + "\n",
-    }
+    contents = (outcome.table().to_csv(), json.dumps(report, indent=2) + "\n")
     hand_out(
         report,
-        files,
-        "metrics.svg",
+        dict(zip(_FILES, contents, strict=True)),
+        _PICTURE,
         lambda: campaign_figure(outcome),
         lambda: _print(outcome, report),
         out,

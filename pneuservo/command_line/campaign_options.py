@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analog_card.console import Count
-from analog_card.files import write_files
+from analog_card.files import require_apart, write_files
 from pneuservo.errors import InputError
 
 if TYPE_CHECKING:
@@ -62,6 +62,37 @@ def read_given(file: str | None, vary: Sequence[str], given: Mapping[str, Any]) 
     settings |= {key: value for key, value in given.items() if value not in (None, ())}
     settings["vary"] = {**settings.get("vary", {}), **dict(map(_axis, vary))}
     return settings
+
+
+def require_settings_kept(
+    outputs: Sequence[str], out: str | None, file: str | None, settings: Mapping[str, Any]
+) -> None:
+    """Refuse a folder in which a run would write over what it reads.
+
+    Parameters
+    ----------
+    outputs : sequence of str
+        Names of the files that are going to be written into the folder.
+    out : str or None
+        The folder.
+    file : str or None
+        A campaign file.
+    settings : mapping of str to anything
+        From `read_given`.
+
+    Raises
+    ------
+    InputError
+        When the campaign file, or a rig, design or recording that it or an option names, is one of
+        them.
+    """
+    if out is None:
+        return
+    named = [file, *(settings.get(key) for key in ("rig", "design", "demand"))]
+    inputs = [Path(name) for name in named if name]
+    # A recording has its sidecar beside it.
+    inputs += [path.with_suffix(".toml") for path in inputs if path.suffix]
+    require_apart([Path(out) / name for name in outputs], inputs)
 
 
 def require_one_place(address: str | None, jobs: int | None) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analog_card.console import Quantity, progress, warn, writing
-from pneuservo.errors import InputError
+from pneuservo.command_line.unused_options import refuse_unused
 
 if TYPE_CHECKING:
     from pneuservo.animated_figure import AnimatedFigure, FigureRun
@@ -115,11 +115,14 @@ def command(
     require_picture("--plot", plot)
     if animation is not None:
         require_animation(animation, "--animation")
-    if moved is not None and motion != "wave":
-        raise InputError(f"--moved is not used by --motion {motion}; leave it out")
+    if motion != "wave":
+        refuse_unused({"moved": moved}, f"--motion {motion}")
     figure = _figure(name, axes, without)
     for axis, effects in figure.left_out.items():
         warn(f"{axis}: left out of the run: {', '.join(effects)}")
+    if out is not None:
+        with writing("--out", out):
+            _require_files(figure, Path(out))
     given = {key: value for key, value in shape.items() if value is not None}
     controlled = loop_controller(controller, given).controller
     time = sampled_time(duration, rate)
@@ -163,12 +166,24 @@ def _figure(name: str, axes: str | None, without: str | None) -> "AnimatedFigure
     return figure
 
 
+def _require_files(figure: "AnimatedFigure", folder: Path) -> None:
+    """Refuse a folder in which the recording of one axis cannot be written."""
+    from pneuservo.recordings.writer import require_recording_file
+
+    for name in figure.axes:
+        require_recording_file(_recording(folder, name))
+
+
 def _write_axes(run: "FigureRun", folder: Path) -> None:
     from pneuservo.recordings import write_recording
 
     folder.mkdir(parents=True, exist_ok=True)
     for name, axis in run.axes.items():
-        write_recording(axis.to_recording(name), folder / f"{name}.csv")
+        write_recording(axis.to_recording(name), _recording(folder, name))
+
+
+def _recording(folder: Path, axis: str) -> Path:
+    return folder / f"{axis}.csv"
 
 
 def _report(run: "FigureRun", controller: str, files: dict[str, str | None]) -> dict[str, Any]:

@@ -12,11 +12,15 @@ from analog_card.console import Count, Quantity, progress, warn
 from analog_card.files import write_files
 from analog_card.plain_json import plain_json
 from pneuservo.command_line.recording_files import Window, read, require_unread
+from pneuservo.command_line.unused_options import refuse_unused
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig, load_rig
 from pneuservo.rigs.rig_file import files_beside, rig_document
 
 METHODS = ("output-error", "least-squares", "evolution")
+# Options that only some of them use.
+_SIMULATING, _FILTERING = ("segment", "command"), ("cutoff", "dead_band", "direction")
+_USED = {"output-error": _SIMULATING, "least-squares": _FILTERING, "evolution": _SIMULATING}
 _EPILOG = """\b
 Examples:
   pneuservo simulate --controller proportional --demand "15,20,12,15 mm" --out moves.csv
@@ -119,8 +123,10 @@ def _identified(
                 "a seal tester's friction is found by least squares alone; leave out --method and "
                 "--parameter"
             )
+        _refuse_unused(options, (), "a seal tester")
         return identification.identify_seal_friction(recordings, rig), {}
     method = method or METHODS[0]
+    _refuse_unused(options, _USED[method], f"--method {method}")
     if method == "least-squares":
         return _by_least_squares(recordings, rig, options)
     parameters = options["parameters"] or identification.PARAMETERS
@@ -133,6 +139,15 @@ def _identified(
         recordings, rig, parameters, seed=options["seed"], jobs=options["jobs"], **segment
     )
     return found, {}
+
+
+def _refuse_unused(options: dict[str, Any], used: tuple[str, ...], what: str) -> None:
+    given = {
+        **{name: options[name] for name in ("cutoff", "dead_band", "segment")},
+        "direction": None if options["direction"] == "both" else options["direction"],
+        "command": None if options["driven"] == "held" else options["driven"],
+    }
+    refuse_unused({name: value for name, value in given.items() if name not in used}, what)
 
 
 def _by_least_squares(

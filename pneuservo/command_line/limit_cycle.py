@@ -78,7 +78,7 @@ Examples:
     help="States behind a Butterworth filter of second order.",
 )
 @click.option(
-    "--filter-frequency", type=Quantity("Hz", 0.0), default=500.0, show_default=True, help="In Hz."
+    "--filter-frequency", type=Quantity("Hz", 0.0), help="Its cut-off, in Hz.  [default: 500]"
 )
 @click.option(
     "--plot",
@@ -99,7 +99,7 @@ def command(
     differentiation: str,
     break_frequency: float | None,
     filtered: str,
-    filter_frequency: float,
+    filter_frequency: float | None,
     plot: str | None,
     as_json: bool,
 ) -> None:
@@ -109,18 +109,24 @@ def command(
     the non-linear plant, side by side.
     """
     from pneuservo.command_line.baseline_rig import baseline_rig
+    from pneuservo.command_line.unused_options import refuse_unused
     from pneuservo.limit_cycle import Signals, compare, rig_loop
     from pneuservo.limit_cycle.pictures import overview
     from pneuservo.report.picture_files import require_picture, write_picture
 
     require_picture("--plot", plot)
+    if filtered == "none":
+        refuse_unused({"filter_frequency": filter_frequency}, "--filter none")
+    if differentiation != "analogue":
+        unused = {"break_frequency": break_frequency}
+        refuse_unused(unused, f"--differentiation {differentiation}")
     used = baseline_rig(rig)
     velocity_breaks, acceleration_breaks = _breaks(break_frequency)
     signals = Signals(
         differentiation,
         sampling_time,
         filtered,
-        filter_frequency,
+        Signals.filter_frequency if filter_frequency is None else filter_frequency,
         velocity_breaks,
         acceleration_breaks,
     )

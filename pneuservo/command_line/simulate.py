@@ -15,6 +15,7 @@ from analog_card.console import Count, Quantity, warn, writing
 from analog_card.plain_json import plain_json
 from pneuservo.command_line.baseline_rig import without_effects
 from pneuservo.command_line.recording_files import read
+from pneuservo.command_line.unused_options import refuse_unused
 from pneuservo.controllers import CONTROLLERS, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.loop_controller import (
@@ -146,14 +147,14 @@ def command(
             "control. For the set points of a recording use --controller with --demand RECORDING"
         )
     if replayed is not None:
-        _refuse(
+        refuse_unused(
             {"demand": demand, "hold": hold, "rate": rate, "phase_plane": phase_plane, **given},
             "a replay",
         )
         source = read(replayed, rig)
         result = _replay(source, rig, port, seed)
     elif controller is not None:
-        _refuse({"port": port}, "a closed loop")
+        refuse_unused({"port": port}, "a closed loop")
         loop = loop_controller(controller, given)
         if phase_plane is not None:
             require_surface(loop.controller)
@@ -178,7 +179,7 @@ def _replay(source: Recording, rig_name: str | None, port: str | None, seed: int
         return replay(source, rig, port, warn, seed)
     from pneuservo.diagnosis.replay import replay_model
 
-    _refuse({"port": port}, f"a replay on rig {rig.name}")
+    refuse_unused({"port": port}, f"a replay on rig {rig.name}")
     return replay_model(source, rig)
 
 
@@ -197,7 +198,7 @@ def _closed_loop(
         values = set_points(demand, rig["piston.stroke"], "--demand")
         time, samples = step_demand(values, hold or HOLD, rate or RATE)
         return loop.run(rig, time, samples, seed=seed), None
-    _refuse({"hold": hold, "rate": rate}, "a recorded demand")
+    refuse_unused({"hold": hold, "rate": rate}, "a recorded demand")
     source = read(demand, rig_name)
     if "demand" not in source:
         raise InputError(
@@ -302,9 +303,3 @@ def _print(report: Mapping[str, Any]) -> None:
 
 def _milliseconds(seconds: float) -> str:
     return "not reached" if math.isnan(seconds) else f"{seconds * 1e3:.0f} ms"
-
-
-def _refuse(options: Mapping[str, Any], what: str) -> None:
-    for name, value in options.items():
-        if value is not None:
-            raise InputError(f"{written(name)} is not used by {what}; leave it out")

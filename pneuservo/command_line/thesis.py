@@ -60,14 +60,15 @@ def command(
     Thesis value, ours with the printed and with the reconciled parameters, and a verdict.
     """
     from pneuservo.command_line.baseline_rig import baseline_rig
-    from pneuservo.thesis.chapters import CHAPTERS, recompute
+    from pneuservo.thesis.chapters import CHAPTERS, recompute, require_chapters
     from pneuservo.thesis.page import to_dict, write_reproduction
 
     used = baseline_rig(rig) if rig is not None else None
-    target = Path(out) / PAGE
-    folder = _picture_folder(Path(out)) if page else None
     given = tuple(int(name) if name.isdecimal() else name.upper() for name in chapters)
     numbers = given or CHAPTERS
+    require_chapters(numbers)
+    target = Path(out) / PAGE
+    folder = _picture_folder(Path(out)) if page else None
     with progress(len(set(numbers))) as step:
         found = recompute(numbers, folder, used, jobs, step)
     if page:

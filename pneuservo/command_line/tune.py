@@ -13,11 +13,14 @@ from pneuservo.command_line.campaign_options import (
     place_of,
     read_given,
     require_one_place,
+    require_settings_kept,
 )
 
 if TYPE_CHECKING:
     from pneuservo.tuning.run import RobustTuning
 
+# What is written into the folder of --out.
+_FILES, _PICTURE = ("front.csv", "tuning.json", "card.toml"), "front.svg"
 # Rows of the front that are printed; all of it is in the folder and in the JSON.
 _MOST_ROWS = 15
 # Figures in the table, so that it fits into 80 columns.
@@ -123,6 +126,7 @@ def command(
     require_picture("--plot", plot)
     require_one_place(cluster, jobs)
     settings = read_given(file, vary, given)
+    require_settings_kept((*_FILES, _PICTURE), out, file, settings)
     where = "--vary" if file is None else f"{file} [vary]"
     problem = tuning_problem(settings, overshoot, error, where)
     if problem.left_out:
@@ -142,15 +146,15 @@ def _report(found: "RobustTuning", out: str | None, plot: str | None, as_json: b
     from pneuservo.tuning.summary import summary
 
     report = summary(found)
-    files = {
-        "front.csv": found.table().to_csv(index=False),
-        "tuning.json": json.dumps(report, indent=2) + "\n",
-        "card.toml": design_to_toml(found.design),
-    }
+    contents = (
+        found.table().to_csv(index=False),
+        json.dumps(report, indent=2) + "\n",
+        design_to_toml(found.design),
+    )
     hand_out(
         report,
-        files,
-        "front.svg",
+        dict(zip(_FILES, contents, strict=True)),
+        _PICTURE,
         lambda: tuning_figure(found),
         lambda: _print(found, report),
         out,

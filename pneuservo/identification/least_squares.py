@@ -10,6 +10,7 @@ from pneuservo.errors import InputError
 from pneuservo.identification.result import Identification, estimates
 from pneuservo.identification.signals import (
     CUTOFF_FREQUENCY,
+    SETTLING_PERIODS,
     ForceBalance,
     force_balance,
 )
@@ -32,8 +33,6 @@ VELOCITY_DEAD_BAND = 0.005
 # How far the filter smears a reversal, in periods of its cut-off: so near to the dead band the
 # filtered sign is neither that of sliding nor of rest.
 _SMEAR_PERIODS = 0.6
-# The filter needs so many periods of its cut-off to forget how the recording begins and ends.
-_SETTLING_PERIODS = 2.0
 
 
 def rig_of(recording: Recording, rig: Rig | str | None) -> Rig:
@@ -196,7 +195,7 @@ def _used(balance: ForceBalance, direction: str, dead_band: float) -> NDArray[np
     used = balance.free & ~binary_dilation(np.abs(velocity) < dead_band, iterations=smear)
     if direction != "both":
         used &= velocity > 0.0 if direction == "extending" else velocity < 0.0
-    margin = _SETTLING_PERIODS / balance.cutoff
+    margin = SETTLING_PERIODS / balance.cutoff
     used &= (time >= time[0] + margin) & (time <= time[-1] - margin)
     return used
 

@@ -20,6 +20,8 @@ OUTPUTS = ("displacement", "pressure_a", "pressure_b")
 STATES = ("displacement", "velocity", "pressure_a", "pressure_b")
 _SEGMENT = 0.5
 _MOST_SEGMENTS = 40
+# Fewer samples say little of where a segment starts.
+_FEWEST = 8
 # Against the default step displacement moves by less than 0.02 um.
 _LARGEST_STEP = 4e-4
 # A continuous command is held for so many parts of a sample, each at its mean.
@@ -98,7 +100,7 @@ def cut(
     Raises
     ------
     InputError
-        When a channel is missing.
+        When a channel is missing, or a segment would hold hardly any sample.
 
     Notes
     -----
@@ -110,7 +112,8 @@ def cut(
     required = tuple(dict.fromkeys(("valve_voltage", "displacement", *outputs, *extra)))
     time, samples = even(recording, required)
     interval = float(time[1] - time[0])
-    length = max(8, round(segment / interval), -(-len(time) // _MOST_SEGMENTS))
+    _require_segment(recording.name, segment, interval)
+    length = max(_FEWEST, round(segment / interval), -(-len(time) // _MOST_SEGMENTS))
     bounds = np.arange(0, max(len(time) - length // 2, 1), length)
     bounds = np.append(bounds, len(time) - 1)
     measured = {name: samples[name] for name in outputs}
@@ -131,6 +134,16 @@ def cut(
         _spool(rig, samples["valve_voltage"], interval)[bounds[:-1]],
         _first_states(rig, measured, interval)[bounds[:-1]],
     )
+
+
+def _require_segment(name: str, segment: float, interval: float) -> None:
+    # What is used unless said is lengthened to what a slow recording needs.
+    shortest = min(_FEWEST * interval, _SEGMENT)
+    if segment < shortest * (1.0 - 1e-9):
+        raise InputError(
+            f"{name}: a segment of {segment:g} s is {segment / interval:.3g} samples; it has to be "
+            f"{_FEWEST} samples or more, {_FEWEST * interval:.3g} s. Give a longer --segment"
+        )
 
 
 def start_of(rig: Rig, names: Sequence[str]) -> tuple[dict[str, float], dict[str, str]]:

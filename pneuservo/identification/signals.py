@@ -13,6 +13,8 @@ from pneuservo.rigs import Rig
 # Section 4.3.2.1 of the thesis.
 CUTOFF_FREQUENCY = 50.0
 _ORDER = 2
+# The filter needs so many periods of its cut-off to forget how the recording begins and ends.
+SETTLING_PERIODS = 2.0
 # Cut-off over sampling frequency; above it a difference quotient is no derivative any more.
 _HIGHEST_SHARE = 0.2
 # So near to an end stop, as a share of the stroke, the stop may take part of the force.
@@ -137,7 +139,7 @@ def force_balance(recording: Recording, rig: Rig, cutoff: float = CUTOFF_FREQUEN
     Raises
     ------
     InputError
-        When a channel is missing.
+        When a channel is missing, or the recording is too short or too slow for the cut-off.
 
     Notes
     -----
@@ -151,6 +153,7 @@ def force_balance(recording: Recording, rig: Rig, cutoff: float = CUTOFF_FREQUEN
         names = (*names, "force")
     time, samples = even(recording, names)
     interval = float(time[1] - time[0])
+    _require_cutoff(recording.name, cutoff, interval, float(time[-1] - time[0]))
     cutoff = min(cutoff, _HIGHEST_SHARE / interval)
     smooth = {name: filtered(values, interval, cutoff) for name, values in samples.items()}
     x = smooth["displacement"]
@@ -173,6 +176,18 @@ def force_balance(recording: Recording, rig: Rig, cutoff: float = CUTOFF_FREQUEN
         _free(x / rig["piston.stroke"], round(1.0 / (cutoff * interval)))[1:-1],
         cutoff,
     )
+
+
+def _require_cutoff(name: str, cutoff: float, interval: float, duration: float) -> None:
+    """Refuse a filter that does not settle within a recording, or that is none at its rate."""
+    # What is used unless said is lowered to what the rate allows.
+    lowest, highest = 2.0 * SETTLING_PERIODS / duration, max(0.5 / interval, CUTOFF_FREQUENCY)
+    if not lowest < cutoff <= highest:
+        raise InputError(
+            f"{name}: a cut-off of {cutoff:g} Hz cannot be used with {duration:.4g} s at "
+            f"{1.0 / interval:.4g} Hz; it has to be above {lowest:.3g} Hz, for the filter to "
+            f"settle, and at most {highest:.4g} Hz. Give another --cutoff, or record longer"
+        )
 
 
 def _free(share: Array, settling: int) -> NDArray[np.bool_]:

@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 from analog_card.linear_servo import LinearServo
 from pneuservo.errors import InputError
 from pneuservo.linear.models import state_space
+from pneuservo.sliding_mode.boundary_layer import WIDTHS
 
 # How velocity and acceleration come about.
 MEASURED, BACKWARD, BILINEAR, ANALOGUE = "measured", "backward", "bilinear", "analogue"
 DIFFERENTIATIONS = (MEASURED, BACKWARD, BILINEAR, ANALOGUE)
-# A controller faster than this is analogue for all that a valve can tell [s].
-SHORTEST_SAMPLING = 1e-6
+# Lowest and highest value by SI unit, a few orders of magnitude round what a servo can have: beyond
+# them its matrices are rounding. A controller that samples more often is analogue for all that a
+# valve can tell; one that samples less often takes no part in the motion.
+_LIMITS = {"s": (1e-6, 0.1), "Hz": (1e-2, 5e4), "V": (1e-3, 1e3), "m/s2": WIDTHS}
 # Which states a Butterworth filter acts on.
 NO_STATES, ALL_STATES, SOME_STATES = "none", "all", "displacement-velocity"
 FILTERED = (NO_STATES, ALL_STATES, SOME_STATES)
@@ -61,22 +64,16 @@ class Signals:
         ):
             if value not in known:
                 raise InputError(f"{name} is {value!r}; allowed are: {', '.join(known)}")
-        if self.sampling_time and not SHORTEST_SAMPLING <= self.sampling_time < math.inf:
-            raise InputError(
-                f"sampling time is {self.sampling_time:g} s; it has to be 0, for an analogue "
-                f"controller, or {SHORTEST_SAMPLING:g} s or more"
-            )
+        _require_within_limits(
+            "sampling time", self.sampling_time, "s", "0, for an analogue controller, or "
+        )
         if self.differentiation in (BACKWARD, BILINEAR) and not self.sampled:
             raise InputError(
                 f"{self.differentiation} differences need a sampling time greater than 0"
             )
-        for frequency in (
-            self.filter_frequency,
-            *self.velocity_breaks,
-            *self.acceleration_breaks,
-        ):
-            if not 0.0 < frequency < math.inf:
-                raise InputError(f"frequency is {frequency:g} Hz; it has to be greater than 0")
+        _require_within_limits("filter frequency", self.filter_frequency, "Hz")
+        for frequency in (*self.velocity_breaks, *self.acceleration_breaks):
+            _require_within_limits("break frequency", frequency, "Hz")
 
     @property
     def sampled(self) -> bool:
@@ -128,12 +125,8 @@ class Loop:
             raise InputError(
                 f"weights are {self.weights}; c1 has to be greater than 0, c2 and c3 0 or more"
             )
-        if not 0.0 < self.level < math.inf:
-            raise InputError(f"level is {self.level:g} V; it has to be greater than 0")
-        if not 0.0 <= self.boundary_layer < math.inf:
-            raise InputError(
-                f"boundary layer is {self.boundary_layer:g} m/s2; it has to be 0 or more"
-            )
+        _require_within_limits("level", self.level, "V")
+        _require_within_limits("boundary layer", self.boundary_layer, "m/s2", "0, for a relay, or ")
         if not -1.0 < self.asymmetry < 1.0:
             raise InputError(f"asymmetry is {self.asymmetry:g}; it has to be between -1 and 1")
 
@@ -148,6 +141,15 @@ class Loop:
         if not self.signals.sampled:
             return math.inf
         return 0.5 / self.signals.sampling_time
+
+
+def _require_within_limits(what: str, value: float, unit: str, zero: str = "") -> None:
+    """Refuse a value that no servo can have; what 0 stands for, where it may be that."""
+    lowest, highest = _LIMITS[unit]
+    if not (lowest <= value <= highest or (zero and value == 0.0)):
+        raise InputError(
+            f"{what} is {value:g} {unit}; it has to be {zero}from {lowest:g} to {highest:g} {unit}"
+        )
 
 
 def loop_system(loop: Loop) -> control.StateSpace:

@@ -84,13 +84,19 @@ def require_recording_file(path: str | Path) -> Path:
     Raises
     ------
     InputError
-        When the suffix is another, or the sidecar would take the place of another kind of file,
-        such as a rig or a card design of the same name.
+        When the suffix is another, it is a folder, or the sidecar would take the place of another
+        kind of file, such as a rig or a card design of the same name.
     """
     path = Path(path)
     if path.suffix.lower() not in _ENCODERS:
         raise InputError(
             f"{path}: a recording is written to a file ending in one of: {', '.join(_ENCODERS)}"
+        )
+    # Found out only when it is written, it would leave the sidecar behind.
+    if path.is_dir():
+        raise InputError(
+            f"{path}: is a folder; a recording is a file: name one in it, such as "
+            f"{path / 'recording'}{path.suffix}"
         )
     try:
         read_sidecar(path)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from pneuservo.plant.piston import Piston
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.plant.valve import Valve, discharge_grid
 from pneuservo.rigs import Rig, load_valve_tables
+from pneuservo.rigs.valve_tables import VALVES_KEPT, valve_content
 
 # Parameters that may be zero; gravity may also be negative. All others have to be positive.
 _MAY_BE_ZERO = ("piston.coulomb_friction", "piston.viscous_friction", "valve.spool.damping")
@@ -98,20 +99,24 @@ def dead_volume(rig: Rig) -> DeadVolume:
     )
 
 
-@cache
 def valve_grid(valve: str) -> NDArray[np.float64]:
-    """Return the discharge coefficients of a built-in valve on the kernels' grid.
+    """Return the discharge coefficients of a valve on the kernels' grid.
 
     Parameters
     ----------
     valve : str
-        Name of the valve, such as ``"ddv-27a1"``.
+        Name of the valve, such as ``"ddv-27a1"``, or path of its file.
 
     Returns
     -------
     (4, 51, 101) array
         See `pneuservo.plant.valve.discharge_grid`.
     """
+    return _grid(valve, valve_content(valve))
+
+
+@lru_cache(VALVES_KEPT)
+def _grid(valve: str, content: bytes) -> NDArray[np.float64]:
     return discharge_grid(load_valve_tables(valve))
 
 

@@ -1,18 +1,22 @@
 """Discharge-coefficient tables of a servo valve, one per flow path."""
 
 import tomllib
-from functools import cache
+from functools import lru_cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analog_card.toml_file import read_toml
 from pneuservo.errors import InputError
 from pneuservo.plant.flow_paths import FLOW_PATHS, FlowPathTable
 
+VALVES_KEPT = 32
+"""Of so many valves what is worked out is kept."""
 
-@cache
+
 def load_valve_tables(name: str) -> dict[str, FlowPathTable]:
     """Return the discharge-coefficient tables of a valve.
 
@@ -38,6 +42,31 @@ def load_valve_tables(name: str) -> dict[str, FlowPathTable]:
     >>> float(load_valve_tables("ddv-27a1")["s_a"].discharge_coefficient[-1, 0])
     0.8
     """
+    return _tables_of(name, valve_content(name))
+
+
+def valve_content(name: str) -> bytes:
+    """Return what the file of a valve holds now, by which what is worked out of it may be kept.
+
+    Parameters
+    ----------
+    name : str
+        As `load_valve_tables` takes it.
+
+    Returns
+    -------
+    bytes
+        Nothing of a built-in valve, which never changes, or of a file that cannot be read.
+    """
+    try:
+        return Path(name).read_bytes() if name.endswith(".toml") else b""
+    except OSError:
+        return b""
+
+
+@lru_cache(VALVES_KEPT)
+def _tables_of(name: str, content: bytes) -> dict[str, FlowPathTable]:
+    """Return the tables of a valve, read anew when its file holds something else."""
     if name.endswith(".toml"):
         return _tables(read_toml(name, "a valve file", InputError), name)
     folder = files("pneuservo.rigs") / "valves"
@@ -64,8 +93,8 @@ def _tables(data: dict[str, Any], where: str) -> dict[str, FlowPathTable]:
 def _table(table: Any, where: str) -> FlowPathTable:
     names = ("command_volts", "pressure_ratio", "discharge_coefficient")
     try:
-        command, ratio, coefficient = (np.array(table[name], dtype=float) for name in names)
-    except (KeyError, TypeError, ValueError) as problem:
+        command, ratio, coefficient = (_numbers(table[name], name) for name in names)
+    except (KeyError, TypeError, ValueError, OverflowError) as problem:
         raise InputError(
             f"{where}: needs {', '.join(names)}, the latter two with as many numbers in every row "
             f"({problem})"
@@ -74,9 +103,24 @@ def _table(table: Any, where: str) -> FlowPathTable:
         raise InputError(f"{where}: {', '.join(names)} are not one row of points per command")
     if len(command) != len(ratio) or not len(command):
         raise InputError(f"{where}: {len(command)} commands for {len(ratio)} rows")
+    if not ratio.size:
+        raise InputError(f"{where}: the rows are empty; each needs one point or more")
     everything = np.concatenate((command, ratio.ravel(), coefficient.ravel()))
     if not np.isfinite(everything).all() or (everything < 0.0).any():
         raise InputError(f"{where}: every number has to be finite and 0 or more")
     if (np.diff(command) <= 0.0).any() or (np.diff(ratio, axis=1) <= 0.0).any():
         raise InputError(f"{where}: commands and the pressure ratios of a row have to increase")
     return FlowPathTable(command, ratio, coefficient)
+
+
+def _numbers(value: Any, name: str) -> NDArray[np.float64]:
+    # Taken as it is, true would be 1, and a text what it reads as.
+    if not _only_numbers(value):
+        raise ValueError(f"{name} holds what is no number")
+    return np.array(value, dtype=float)
+
+
+def _only_numbers(value: Any) -> bool:
+    if isinstance(value, list):
+        return all(map(_only_numbers, value))
+    return isinstance(value, int | float) and not isinstance(value, bool)

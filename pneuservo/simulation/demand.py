@@ -39,7 +39,8 @@ def step_demand(
     Raises
     ------
     InputError
-        When a value is not held for at least one sample, or there would be too many samples.
+        When a value is not held for at least one sample, hold or rate is not above 0, or there
+        would be too many samples.
 
     Examples
     --------
@@ -47,6 +48,9 @@ def step_demand(
     >>> demand.tolist()
     [0.015, 0.015, 0.024, 0.024]
     """
+    for name, value, unit in (("hold", hold, "s"), ("rate", rate, "Hz")):
+        if not value > 0.0:
+            raise InputError(f"{name} is {value:g} {unit}; it has to be greater than 0")
     samples = round(hold * rate) if hold * rate < _MOST_SAMPLES else _MOST_SAMPLES
     if samples < 1:
         raise InputError(

@@ -13,6 +13,9 @@ from pneuservo.rigs import Rig, load_rig
 LARGEST_STEP = 20e-6
 # About ten minutes of computing; a longer span is a slip in the unit of the time.
 _MOST_STEPS = 2_000_000_000
+# No spool is faster. A run takes steps of a share of its time constant, and would never be through
+# with one that is a slip in a unit [Hz].
+_SPOOL, _FASTEST_SPOOL = "valve.spool.frequency", 1e5
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,8 @@ def require_kind(rig: Rig | str, kind: str, effects: bool = False) -> Rig:
     Raises
     ------
     InputError
-        When it is of another kind, or has physics beyond the baseline that is not allowed.
+        When it is of another kind, has physics beyond the baseline that is not allowed, or a spool
+        faster than any.
     """
     if isinstance(rig, str):
         rig = load_rig(rig)
@@ -70,6 +74,11 @@ def require_kind(rig: Rig | str, kind: str, effects: bool = False) -> Rig:
         raise InputError(
             f"rig {rig.name} has effects beyond the baseline that cannot be simulated here: "
             f"{', '.join(sorted(rig.effects))}; remove them from [effects] to simulate without"
+        )
+    if _SPOOL in rig.parameters and rig[_SPOOL] > _FASTEST_SPOOL:
+        raise InputError(
+            f"rig {rig.name}: {_SPOOL} is {rig[_SPOOL]:g} Hz; it has to be greater than 0 and "
+            f"{_FASTEST_SPOOL:g} Hz at most"
         )
     return rig
 

@@ -20,6 +20,7 @@ from pneuservo.plant.lanes import WIDTH
 from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
 from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.initial_state import InitialState
+from pneuservo.simulation.inputs import require_kind
 from pneuservo.simulation.run import with_card_at_rest
 
 # A boundary layer is off by a few hundredths of a micrometre in most runs. A relay's events cost
@@ -87,7 +88,9 @@ def trials_of(
             "the controllers of a batch have to be of one kind, all relays or none; "
             "simulate each kind in a batch of its own"
         )
-    plants = [plant_numbers.single_axis(rig) for rig in rigs]
+    plants = [
+        plant_numbers.single_axis(require_kind(rig, "single-axis", effects=True)) for rig in rigs
+    ]
     states = np.zeros((len(rigs), STATES_WITH_CARD))
     for i, (law, plant, controller) in enumerate(zip(laws, plants, controllers, strict=True)):
         rest = 0.5 * plant.piston.stroke if controller is None else float(inputs[0, 0])

@@ -1,5 +1,9 @@
 """How wide a boundary layer round a surface has to be."""
 
+WIDTHS = 1e-3, 1e6
+"""Narrowest and widest that can be asked for, orders of magnitude round what a servo has: beyond
+them nothing but rounding is worked out of it [m/s2]."""
+
 
 def layer_cut_off(b0: float, level: float, width: float) -> float:
     """Return the corner frequency of the loop inside a boundary layer, c3 being 1 [rad/s].

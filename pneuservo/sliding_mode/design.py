@@ -10,7 +10,7 @@ from pneuservo.errors import InputError
 from pneuservo.linear import advanced_servo, servo_data, transfer_function, without_valve
 from pneuservo.linear.servo_data import ServoData
 from pneuservo.rigs import Rig
-from pneuservo.sliding_mode.boundary_layer import layer_cut_off, layer_width
+from pneuservo.sliding_mode.boundary_layer import WIDTHS, layer_cut_off, layer_width
 from pneuservo.sliding_mode.disturbance import Reserve, reserve
 from pneuservo.sliding_mode.range_space import (
     RangeSpace,
@@ -153,13 +153,7 @@ def design_sliding_mode(rig: Rig, requirements: Requirements | None = None) -> S
     nominal = advanced_servo(data, 0.5 * data.stroke, extending=True)
     still = [without_valve(servo) for servo in models]
     space = range_space(rig, wanted.range_space, level)
-    width = wanted.boundary_layer
-    if width is None:
-        width = max(
-            layer_width(servo.b0, level, 2 * math.pi * data.valve_frequency) for servo in models
-        )
-    if not 0.0 < width < math.inf:
-        raise InputError(f"boundary layer is {width:g} m/s2; it has to be greater than 0")
+    width = _width(wanted, data, models, level)
     over_space = reachability(still, surface, space, level)
     found = SlidingModeDesign(
         surface=surface,
@@ -251,6 +245,20 @@ def _step(wanted: Requirements, data: ServoData) -> float:
             f"{data.stroke:g} m"
         )
     return step
+
+
+def _width(wanted: Requirements, data: ServoData, models: list[LinearServo], level: float) -> float:
+    width = wanted.boundary_layer
+    if width is None:
+        cut_off = 2 * math.pi * data.valve_frequency
+        return max(layer_width(servo.b0, level, cut_off) for servo in models)
+    lowest, highest = WIDTHS
+    if not lowest <= width <= highest:
+        raise InputError(
+            f"boundary layer is {width:g} m/s2; it has to be from {lowest:g} to {highest:g} m/s2; "
+            "left out, it is the narrowest that stays below the valve's frequency"
+        )
+    return width
 
 
 def _gain_margin(servo: LinearServo, surface: Surface, level: float, width: float) -> float:

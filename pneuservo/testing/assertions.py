@@ -51,7 +51,12 @@ def assert_settles_within(run: Run, limit: Limit, band: Limit = 0.02) -> None:
     AssertionError: step from 15 to 24 mm at t = 0.5 s: settles after 132 ms, 100 ms is allowed, ...
     """
     __tracebackhide__ = True
-    allowed, share = _limit(limit, "s"), _limit(band, "")
+    allowed, share = _limit(limit, "s"), to_si(band, "", "band")
+    if not 0.0 < share < 1.0:
+        raise InputError(
+            f"band is {share:g}; it has to be between 0 and 1, a share of the step, such as "
+            'band="2 %"'
+        )
 
     def says(step: StepResponse) -> str | None:
         if step.settling_time <= allowed:
@@ -177,7 +182,8 @@ def assert_control_effort_below(run: Run, limit: Limit) -> None:
     """
     __tracebackhide__ = True
     allowed = _limit(limit, "V")
-    effort = control_effort(run.time, samples(run, "valve_voltage"))
+    voltage = samples(run, "valve_voltage")
+    effort = control_effort(run.time, voltage)
     if not effort <= allowed:
         fail(
             run,

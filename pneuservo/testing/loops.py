@@ -9,7 +9,7 @@ from pneuservo.campaign.parameters import CONTROLLER, varied_rig
 from pneuservo.campaign.plan_file import campaign_of
 from pneuservo.campaign.sample import simulate_sample
 from pneuservo.campaign.summary import values_in_words
-from pneuservo.controllers import Controller, Proportional
+from pneuservo.controllers import Controller, Proportional, SlidingMode
 from pneuservo.errors import InputError
 from pneuservo.loop_controller import UNITS, LoopController, loop_controller
 from pneuservo.rigs import Rig
@@ -73,6 +73,7 @@ def close_loop(
     >>> round(run.settling_time(), 3)
     0.132
     """
+    _require_loop(controller, demand)
     plant = require_kind(rig, "single-axis", effects=True)
     known = {name: parameter.unit for name, parameter in plant.parameters.items()}
     plant = plant.with_values(
@@ -114,7 +115,7 @@ def closed_loops(
     trials : int, optional
         Drawn at each point of the grid.
     seed : int, optional
-        Of what is drawn.
+        Of what is drawn, noise included: no two runs have the same.
 
     Yields
     ------
@@ -133,6 +134,7 @@ def closed_loops(
     load.mass 1.8 kg [0.132, 0.152, 0.131]
     load.mass 7 kg [0.133, 0.174, 0.131]
     """
+    _require_loop(controller, demand)
     own = not isinstance(controller, str)
     if own and (options or any(name.startswith(CONTROLLER) for name in vary)):
         raise InputError(_SHAPED)
@@ -159,15 +161,30 @@ def closed_loops(
         name = values_in_words(values, special)
         try:
             run = (
-                simulate_sample(campaign, values)
+                simulate_sample(campaign, values, index)
                 if isinstance(controller, str)
                 else LoopController(controller).run(
-                    varied_rig(campaign.rig, values), campaign.time, campaign.demand
+                    varied_rig(campaign.rig, values),
+                    campaign.time,
+                    campaign.demand,
+                    seed=(campaign.seed, index),
                 )
             )
         except (InputError, AnalogCardError) as problem:
             raise InputError(f"rig with {name}: {problem}") from problem
         yield name, run
+
+
+def _require_loop(controller: Any, demand: Any) -> None:
+    if not isinstance(controller, str | Controller):
+        raise InputError(
+            f"controller is {controller!r}; give the name of one, such as {SlidingMode.kind!r}, or "
+            "an object of pneuservo.controllers"
+        )
+    if not isinstance(demand, str):
+        raise InputError(
+            f"demand is {demand!r}; give a text of set points with their unit, such as {DEMAND!r}"
+        )
 
 
 def _loop(controller: str | Controller, options: Mapping[str, Any]) -> LoopController:

@@ -1,7 +1,7 @@
 """What a failed assertion says: figure, limit, where in time, which rig and which controller."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NoReturn, Protocol
+from typing import Any, NoReturn, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from pneuservo.recordings import Recording
 from pneuservo.simulation import Simulation
 
 
+@runtime_checkable
 class Run(Protocol):
     """What assertions are made of: a simulation, a recording, or what is like them."""
 
@@ -32,8 +33,14 @@ def samples(run: Run, channel: str) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        When there is none, or samples are missing: nothing could be said of such a run.
+        When there is none, samples are missing, or it is no run at all: nothing could be said of
+        it.
     """
+    if not isinstance(run, Run):
+        raise InputError(
+            f"{run!r} is no run; give a simulation, such as from close_loop, or a recording, such "
+            "as from read_recording"
+        )
     if channel not in run:
         raise InputError(f"the run has no channel {channel!r}, which this assertion looks at")
     values = run[channel]

@@ -78,10 +78,7 @@ def recompute(
     InputError
         When a number is not that of a chapter that is recomputed.
     """
-    for number in numbers:
-        if number not in CHAPTERS:
-            known = ", ".join(str(chapter) for chapter in CHAPTERS)
-            raise InputError(f"chapter {number} is not recomputed; there are: {known}")
+    require_chapters(numbers)
     wanted = [number for number in CHAPTERS if number in numbers]
     if jobs <= 1 or len(wanted) <= 1:
         found = []
@@ -96,6 +93,25 @@ def recompute(
             done[running[future]] = future.result()
             step(f"{_name(running[future]).lower()} done")
     return [done[number] for number in wanted]
+
+
+def require_chapters(numbers: Sequence[int | str]) -> None:
+    """Refuse a chapter that is not recomputed.
+
+    Parameters
+    ----------
+    numbers : sequence of int or str
+        As `recompute` takes them.
+
+    Raises
+    ------
+    InputError
+        When one is none of `CHAPTERS`.
+    """
+    for number in numbers:
+        if number not in CHAPTERS:
+            known = ", ".join(str(chapter) for chapter in CHAPTERS)
+            raise InputError(f"chapter {number} is not recomputed; there are: {known}")
 
 
 def _name(number: int | str) -> str:

@@ -14,6 +14,7 @@ from pneuservo.controllers import Proportional
 from pneuservo.recordings import write_recording
 from pneuservo.simulation import simulate, step_demand
 
+ONE_RIG = '[vary]\n"load.mass" = "2 kg"\n'
 RIG = '[rig]\nkind = "single-axis"\n'
 
 
@@ -26,7 +27,10 @@ def folder(tmp_path, monkeypatch):
     assert CliRunner().invoke(card, words).exit_code == 0
     time, demand = step_demand([0.015, 0.016], 0.02, 1000.0)
     run = simulate(time=time, demand=demand, controller=Proportional())
-    for name in ("model", "loop"):
+    (tmp_path / "volume.toml").write_text('[rig]\nkind = "dead-volume"\nvalve = "valve.toml"\n')
+    (tmp_path / "valve.toml").write_text("not looked into before it is written over")
+    (tmp_path / "set.toml").write_text(f'design = "card.toml"\n{ONE_RIG}')
+    for name in ("model", "loop", "samples"):
         write_recording(run.to_recording(name), f"{name}.csv")
     return tmp_path
 
@@ -46,6 +50,14 @@ def folder(tmp_path, monkeypatch):
             "rig.toml",
         ),
         (main, "simulate --controller proportional --demand 15mm --out card.csv", "card.toml"),
+        (main, "calibrate --simulate --rig volume.toml --out .", "valve.toml"),
+        (main, "tune --design card.toml --vary load.mass=2kg --out .", "card.toml"),
+        (main, "tune set.toml --out .", "card.toml"),
+        (
+            main,
+            "campaign --controller proportional --demand samples.csv --vary load.mass=2kg --out .",
+            "samples.csv",
+        ),
         (card, "tune --settling-time 0.1 --design card.toml --out card.toml", "card.toml"),
     ],
 )

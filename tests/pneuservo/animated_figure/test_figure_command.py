@@ -69,6 +69,14 @@ def test_bad_input_is_refused(arguments, message):
     assert found.stdout == ""
 
 
+def test_no_axis_is_written_where_one_cannot_be(tmp_path):
+    (tmp_path / "elbow.csv").mkdir()
+    found = run(*QUICK, "--out", tmp_path)
+    assert found.exit_code == 2
+    assert "elbow.csv: is a folder" in found.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["elbow.csv"]
+
+
 @pytest.mark.skipif(FFMpegWriter.isAvailable(), reason="ffmpeg is installed")
 def test_without_ffmpeg_no_mp4():
     found = run(*QUICK, "--animation", "arm.mp4")

@@ -73,6 +73,8 @@ def test_a_figure_file_with_a_rig_beside_it(tmp_path):
         ("inertia = 1e-3, ", "", "member: inertia is missing"),
         ("inertia = 1e-3", "inertia = true", "True is not a quantity"),
         ("[axes.lower]", "[axes.frame]", "an axis is called 'frame'"),
+        ("[axes.lower]", '[axes."../lower"]', "'../lower' cannot be the name of an axis.*letters"),
+        ("[axes.lower]", '[axes.""]', "'' cannot be the name of an axis"),
         ('carried_by = "upper"', "carried = 1", "carried"),
         ('"load.mass"', '"load.mas"', "load.mass"),
         ("[frame]", "[frame", "is not valid TOML"),

@@ -16,6 +16,7 @@ from pneuservo.calibration.validation import (
 )
 from pneuservo.errors import InputError
 from pneuservo.rigs import load_rig, load_valve_tables
+from pneuservo.rigs.plant_numbers import valve_grid
 
 BAR = 1e-5
 
@@ -66,6 +67,15 @@ def test_a_missing_valve_file_is_named(tmp_path):
         (lambda path: path["s_a"]["pressure_ratio"][0].pop(), "as many numbers"),
         (lambda path: path["s_a"]["discharge_coefficient"][0].__setitem__(0, -1.0), "0 or more"),
         (lambda path: path["s_a"]["discharge_coefficient"][0].__setitem__(0, "x"), "s_a"),
+        (lambda path: path["s_a"]["discharge_coefficient"][0].__setitem__(0, "0.8"), "no number"),
+        (lambda path: path["s_a"]["command_volts"].__setitem__(0, True), "command_volts holds"),
+        (lambda path: path["s_a"]["command_volts"].__setitem__(0, 10**400), "s_a"),
+        (
+            lambda path: path["s_a"].update(
+                command_volts=[0], pressure_ratio=[[]], discharge_coefficient=[[]]
+            ),
+            "rows are empty; each needs one point",
+        ),
     ],
 )
 def test_a_file_without_proper_tables_is_refused(tmp_path, change, message):
@@ -74,6 +84,18 @@ def test_a_file_without_proper_tables_is_refused(tmp_path, change, message):
     file = written(tmp_path, data, rig=False)
     with pytest.raises(InputError, match=message):
         load_valve_tables(str(file))
+
+
+def test_a_file_that_has_changed_is_read_again(tmp_path):
+    file = str(written(tmp_path, document(), rig=False))
+    before = valve_grid(file)
+    assert valve_grid(file) is before
+    data = document()
+    data["path"]["s_a"]["discharge_coefficient"][-1][0] = 0.25
+    written(tmp_path, data, rig=False)
+    assert load_valve_tables(file)["s_a"].discharge_coefficient[-1, 0] == 0.25
+    assert valve_grid(file)[0, -1, 0] == 0.25
+    assert before[0, -1, 0] == 0.8
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
+from pneuservo.campaign.metrics import OF_RECORDED, OF_SET_POINTS
 from pneuservo.campaign.run import SAMPLES
 from pneuservo.command_line import main
 
@@ -86,6 +87,14 @@ def test_a_file_with_options_in_its_place(run):
     assert [entry["metric"] for entry in report["metrics"]] == ["rise_time"]
     replaced = run("short.toml", "--vary", "load.mass=3 kg", "--json")
     assert json.loads(replaced.stdout)["samples"] == 1
+
+
+def test_help_names_what_is_measured_unless_said(run):
+    text = run("--help").output
+    _, _, metric = text.partition("--metric")
+    words, _, _ = metric.partition("--jobs")
+    assert all(name in words for name in (*OF_SET_POINTS, *OF_RECORDED))
+    assert "chatter" not in words
 
 
 @pytest.mark.parametrize(

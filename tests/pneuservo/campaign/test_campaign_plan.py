@@ -58,6 +58,8 @@ def test_distributions_are_read_with_their_units():
         ("normal(6.5 bar)", "takes two numbers"),
         ("normal(6.5 bar, 0 %)", "deviation greater than 0"),
         ("uniform(7.7, 6.5 bar)", "lower value first"),
+        ("uniform(-1e308, 1e308 Pa)", "finite number between"),
+        ("-1e308:1e308 Pa:3", "wider than any number"),
         ("log_uniform(-1, 1 bar)", "greater than 0"),
         ("tolerance", "no tolerance is known"),
         ("", "no value is given"),
@@ -132,6 +134,11 @@ def test_values_reach_rig_effects_and_design():
         ({"vary": {"load.mass": "1 kg"}, "seed": -1}, "seed is -1"),
         ({"vary": {"load.mass": True}}, "neither a text nor a list"),
         ({"vary": {"load.mass": "1 kg"}, "metrics": ["speed"]}, "'speed' is not known"),
+        ({"vary": {"load.mass": "1 kg"}, "metrics": [1]}, "metrics: 1 is no text.*settling_time"),
+        ({"vary": {"load.mass": "1 kg"}, "metrics": [[1]]}, r"metrics: \[1\] is no text"),
+        ({"vary": {"load.mass": "1 kg"}, "metrics": [{"a": 1}]}, "is no text"),
+        ({"vary": {"load.mass": "1 kg"}, "hold": "-1 s", "rate": "-1 kHz"}, "hold is -1 s"),
+        ({"vary": {"load.mass": "1 kg"}, "rate": "-1 kHz"}, "rate is -1000 Hz"),
         ({"vary": {"load.mass": "1 kg"}, "demand": "15,40 mm"}, "outside the stroke"),
         ({"vary": {"controller.gain": "1"}}, "'controller.gain' is not known"),
         ({"vary": {"turned.level": "0.5"}}, "'turned.level' is not known"),
@@ -171,6 +178,13 @@ def test_a_file_says_what_options_say(tmp_path):
     assert campaign.axes[0] == Random("load.mass", "kg", "kg", "normal", 7.0, 1.0)
     assert campaign.axes[1] == Grid("supply.pressure", "Pa", "bar", (650000.0,))
     assert (len(campaign), len(campaign.time)) == (7, 600)
+
+
+def test_a_name_with_more_parts_than_any_is_refused(tmp_path):
+    path = tmp_path / "deep.toml"
+    path.write_text(f"vary.{'a.' * 1500}b = 1\n")
+    with pytest.raises(InputError, match="more parts than any name"):
+        campaign_of({**LOOP, **read_settings(path)})
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from scipy.stats import spearmanr
 
 from analog_card.behaviour import Imperfections
 from analog_card.design_file import load_design
+from analog_card.errors import InputError as QuantityError
 from pneuservo.campaign.metrics import METRICS, metrics_of
 from pneuservo.campaign.picture import campaign_figure
 from pneuservo.campaign.plan_file import campaign_of
@@ -206,6 +207,35 @@ def test_more_trials_go_on_from_those_kept(tmp_path, campaign, outcome):
     assert run_campaign(campaign, tmp_path, step=ran.append).samples == outcome.samples
     assert (tmp_path / SAMPLES).read_text().startswith(kept)
     assert len(ran) == 36
+
+
+@pytest.mark.parametrize(
+    "figures",
+    [
+        {},
+        {"values": {}, "metrics": {}, "error": None},
+        {"values": {"load.mass": 2.0}, "metrics": {"rise_time": "x"}, "error": None},
+        {"values": {"load.mass": True}, "metrics": {"rise_time": None}, "error": None},
+        {"values": {"load.mass": 2.0}, "metrics": {"rise_time": 0.1}, "error": 3},
+        3,
+    ],
+)
+def test_a_sample_that_is_not_whole_is_refused_by_its_line(tmp_path, figures):
+    loop = {"controller": "proportional", "demand": "15,16 mm", "hold": "20 ms"}
+    small = campaign_of({**loop, "metrics": ["rise_time"], "vary": {"load.mass": "2, 3 kg"}})
+    run_campaign(small, tmp_path)
+    head, sample, _ = (tmp_path / SAMPLES).read_text().splitlines()
+    damaged = json.dumps({"trial": 1, "figures": figures})
+    (tmp_path / SAMPLES).write_text("\n".join((head, sample, damaged, "")))
+    ran = []
+    with pytest.raises(InputError, match=r"samples\.jsonl: line 3 is no whole sample.*again"):
+        run_campaign(small, tmp_path, step=ran.append)
+    assert not ran
+    (tmp_path / SAMPLES).write_text("\n".join((head, sample, "")))
+    assert len(run_campaign(small, tmp_path, step=ran.append).samples) == 2
+    assert ran == ["trial 1"]
+    with pytest.raises(QuantityError, match="another study"):
+        run_campaign(replace(small, seed=1), tmp_path)
 
 
 def test_another_campaign_is_another(campaign):

@@ -94,6 +94,13 @@ def test_people_get_a_table(recording, tmp_path):
         (("--method", "least-squares", "--parameter", "load.mass"), "output-error"),
         (("--window", "9:10"), "no sample lies"),
         (("--rig", "dead-volume"), "single-axis is needed"),
+        (("--cutoff", "20 Hz"), "--cutoff is not used by --method output-error"),
+        (("--method", "evolution", "--direction", "extending"), "--direction is not used by"),
+        (("--method", "least-squares", "--segment", "1 s"), "--segment is not used by"),
+        (("--method", "least-squares", "--command", "continuous"), "--command is not used by"),
+        (("--method", "least-squares", "--cutoff", "1e9"), "cut-off of 1e+09 Hz"),
+        (("--method", "least-squares", "--cutoff", "1e-9"), "above 1.33 Hz, for the filter"),
+        (("--segment", "1e-9"), "has to be 8 samples or more"),
     ],
 )
 def test_what_cannot_be_used_is_said_without_a_traceback(recording, tmp_path, options, message):

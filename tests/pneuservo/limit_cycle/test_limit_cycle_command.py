@@ -38,6 +38,11 @@ def test_table_and_picture(tmp_path):
     assert "<svg" in picture.read_text(encoding="utf-8")
 
 
+def test_the_slowest_controller_that_is_allowed_is_judged():
+    result = run("--sampling-time", "0.1", "--json")
+    assert result.exit_code == 0, result.output
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -45,6 +50,14 @@ def test_table_and_picture(tmp_path):
         (["--position", "31mm"], "outside the stroke"),
         (["--plot", "cycle.gif"], ".svg"),
         (["--rig", "dead-volume"], "single-axis is needed"),
+        (["--filter-frequency", "100"], "--filter-frequency is not used by --filter none"),
+        (["--break-frequency", "1e4"], "--break-frequency is not used by --differentiation"),
+        (["--sampling-time", "1"], "sampling time is 1 s; it has to be 0"),
+        (["--level", "1e300"], "level is 1e+300 V; it has to be from 0.001 to 1000 V"),
+        (["--boundary-layer", "1e-300"], "boundary layer is 1e-300 m/s2; it has to be 0"),
+        (["--filter", "all", "--filter-frequency", "1e300"], "filter frequency is 1e+300 Hz"),
+        (["--differentiation", "analogue", "--break-frequency", "1e7"], "frequency is 1e+07 Hz"),
+        (["--differentiation", "analogue", "--break-frequency", "1e-300"], "frequency is 1e-300"),
     ],
 )
 def test_what_cannot_be_is_refused(arguments, words):

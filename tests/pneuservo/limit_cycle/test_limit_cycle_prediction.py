@@ -177,7 +177,9 @@ def test_impossible_loops_are_refused():
         ({"filtered": "acceleration"}, "acceleration"),
         ({"sampling_time": -1.0}, "sampling time"),
         ({"sampling_time": 1e-9}, "sampling time"),
+        ({"sampling_time": 1.0}, "sampling time is 1 s; it has to be 0, .* or from 1e-06 to 0.1 s"),
         ({"filter_frequency": 0.0}, "frequency"),
+        ({"velocity_breaks": (5e3, 1e7)}, "break frequency is 1e.07 Hz; it has to be from"),
     ):
         with pytest.raises(InputError, match=words):
             Signals(**values)

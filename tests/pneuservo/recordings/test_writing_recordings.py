@@ -127,6 +127,13 @@ def test_other_forms_are_not_written(tmp_path, suffix):
         write_recording(FULL, tmp_path / f"run{suffix}")
 
 
+def test_a_folder_is_refused_before_its_sidecar_is_written(tmp_path):
+    (tmp_path / "run.csv").mkdir()
+    with pytest.raises(InputError, match=r"run\.csv: is a folder.* such as .*recording\.csv"):
+        write_recording(FULL, tmp_path / "run.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["run.csv"]
+
+
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
 def test_the_recording_that_was_read_is_not_written_over(tmp_path, name):
     path = write_recording(FULL, tmp_path / "run.csv")

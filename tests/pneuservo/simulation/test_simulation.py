@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from analog_card.figures import CardFigures
 from analog_card.tuning import tune
+from pneuservo.animated_figure import load_figure, simulate_figure
 from pneuservo.controllers import AnalogueCard, Proportional, SlidingMode, StateFeedback
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording, read_recording, write_recording
@@ -18,6 +19,7 @@ from pneuservo.simulation import (
     limit_cycle,
     replay,
     simulate,
+    simulate_batch,
     simulate_dead_volume,
     step_demand,
     step_responses,
@@ -213,12 +215,26 @@ def test_unusable_arguments_are_refused(arguments, message):
         ({"load.mass": 0.0}, "load.mass is 0 kg; it has to be greater than 0"),
         ({"gas.isentropic_exponent": 1.0}, "gas.isentropic_exponent is 1; .* greater than 1"),
         ({"load.mass": 1e-9}, "stops being finite"),
+        ({"valve.spool.frequency": 1e12}, "is 1e.12 Hz; .* 100000 Hz at most"),
     ],
 )
 def test_impossible_rigs_are_refused(values, message):
     rig = load_rig("single-axis").with_values(values)
     with pytest.raises(InputError, match=message):
         simulate(rig, time=TIME, command=1.0)
+
+
+def test_a_spool_that_no_valve_has_is_refused_wherever_it_would_be_stepped_through():
+    fast = {"valve.spool.frequency": 1e12}
+    with pytest.raises(InputError, match=r"valve\.spool\.frequency is 1e\+12 Hz"):
+        simulate_batch(values=fast, time=TIME, command=1.0)
+    rig = load_rig("single-axis").with_values(fast)
+    figure = load_figure("arm")
+    axes = {name: dataclasses.replace(axis, rig=rig) for name, axis in figure.axes.items()}
+    with pytest.raises(InputError, match=r"valve\.spool\.frequency is 1e\+12 Hz"):
+        simulate_figure(
+            dataclasses.replace(figure, axes=axes), time=TIME, controller=SlidingMode(), demands={}
+        )
 
 
 def test_effects_beyond_the_baseline_are_refused(tmp_path):

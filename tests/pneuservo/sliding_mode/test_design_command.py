@@ -67,6 +67,8 @@ def test_a_surface_too_fast_is_warned_of():
         ({"level": 6.0}, "level is 6 V"),
         ({"step": 0.05}, "step is 0.05 m"),
         ({"boundary_layer": 0.0}, "boundary layer"),
+        ({"boundary_layer": 1e-300}, r"boundary layer is 1e-300 m/s2; it has to be from 0\.001"),
+        ({"boundary_layer": math.inf}, "boundary layer is inf"),
         ({"range_space": "sphere"}, "range space 'sphere'"),
     ],
 )

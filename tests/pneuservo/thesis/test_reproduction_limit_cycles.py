@@ -73,6 +73,8 @@ def test_command_refuses_what_is_not_there(tmp_path):
     wrong = CliRunner().invoke(main, ["thesis", "--chapter", "2", "--no-page"])
     assert wrong.exit_code == 2
     assert "chapter 2 is not recomputed" in wrong.stderr
+    CliRunner().invoke(main, ["thesis", "--chapter", "99", "--out", str(tmp_path / "docs")])
+    assert not (tmp_path / "docs").exists()
     blocked = tmp_path / "file"
     blocked.write_text("", encoding="utf-8")
     nowhere = CliRunner().invoke(main, ["thesis", "--chapter", "9", "--out", str(blocked)])
