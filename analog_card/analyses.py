@@ -1,18 +1,22 @@
 """What ngspice can be asked to compute, and the analysis that a netlist itself asks for."""
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from analog_card.errors import InputError
-from analog_card.netlist_text import Line, Netlist, spice_number
+from analog_card.netlist_text import NAME, Line, Netlist, spice_number
 
-_NODE = r"[\w.+#-]+"
+# They take 0.8 GB for each node.
+_MOST_POINTS = 100_000_000
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
     """The state the circuit settles at, sources at their values at time 0."""
+
+    axis = None
 
     @property
     def command(self) -> str:
@@ -44,6 +48,12 @@ class SourceSweep:
                 f"sweep from {self.start:g} to {self.stop:g} in steps of {self.step:g}; "
                 "a step that leads from the first value to the last is needed"
             )
+        _require_few((self.stop - self.start) / self.step, "sweep", "a longer step is")
+
+    @property
+    def axis(self) -> str:
+        """What ngspice calls the values of the source."""
+        return f"{self.source[0].lower()}-sweep"
 
     @property
     def command(self) -> str:
@@ -66,6 +76,8 @@ class FrequencySweep:
     start: float
     stop: float
     points_per_decade: int = 40
+
+    axis = "frequency"
 
     def __post_init__(self) -> None:
         _require_band(self.start, self.stop, self.points_per_decade)
@@ -94,12 +106,15 @@ class Transient:
     longest_step: float
     from_initial_conditions: bool = False
 
+    axis = "time"
+
     def __post_init__(self) -> None:
         if not 0 < self.longest_step < self.stop:
             raise InputError(
                 f"transient of {self.stop} s in steps of {self.longest_step} s; "
                 "0 < longest step < stop is needed"
             )
+        _require_few(self.stop / self.longest_step, "transient", "a longer step is")
 
     @property
     def command(self) -> str:
@@ -139,6 +154,8 @@ class Noise:
     points_per_decade: int = 20
     contributions: bool = False
 
+    axis = "frequency"
+
     def __post_init__(self) -> None:
         _require_name(self.node, "node")
         _require_name(self.source, "source")
@@ -154,6 +171,7 @@ class Noise:
         )
 
 
+# Each tells as `axis` what ngspice calls what it runs over.
 Analysis = OperatingPoint | SourceSweep | FrequencySweep | Transient | Noise
 
 
@@ -221,7 +239,7 @@ def _tran(words: list[str]) -> Analysis:
 
 
 def _noise(words: list[str]) -> Analysis:
-    node = re.fullmatch(rf"v\(({_NODE})\)", words[0], re.IGNORECASE)
+    node = re.fullmatch(rf"v\(({NAME.pattern})\)", words[0], re.IGNORECASE)
     if node is None:
         raise ValueError(words[0])
     points, start, stop = _decades(words[2:6])
@@ -250,9 +268,19 @@ def _require_band(start: float, stop: float, points: int) -> None:
             f"frequency sweep from {start} to {stop} Hz with {points} points a decade; "
             "0 < start < stop and points are needed"
         )
+    _require_few(points, "frequency sweep", "fewer points a decade are")
+    _require_few(points * math.log10(stop / start), "frequency sweep", "fewer points a decade are")
+
+
+def _require_few(points: float, what: str, instead: str) -> None:
+    if points > _MOST_POINTS:
+        raise InputError(f"{what} of more than {_MOST_POINTS} points; {instead} needed")
 
 
 def _require_name(name: str, what: str) -> None:
     # These reach ngspice's command line: nothing but a name may.
-    if not re.fullmatch(_NODE, name):
-        raise InputError(f"{what}: {name!r} is not a name as in a netlist")
+    if not NAME.fullmatch(name):
+        raise InputError(
+            f"{what}: {name[:80]!r} is not a name as in a netlist; "
+            "1 to 200 letters from a to z, digits and . _ + # - are needed"
+        )

@@ -53,9 +53,7 @@ def load_design(path: str | Path | None = None) -> Design:
         where = str(path)
         content = _overlaid(content, read_toml(path, "a design file"), _shape(Design), where)
     notes: dict[str, dict[str, Any]] = {}
-    title = content.get("title", "")
-    if not isinstance(title, str):
-        raise InputError(f"{where}: title is {title!r}, a text is needed")
+    title = _text(content.get("title", ""), f"{where}: title")
     sections = {
         name: _read(kind, content[name], where, name, notes)
         for name, kind in _shape(Design).items()
@@ -152,10 +150,16 @@ def _value(
             if key in found
         }
         if "source" in found:
-            note["source"] = str(found["source"])
+            note["source"] = _text(found["source"], f"{where}: {name}.source")
         notes[name] = note
         found = found["value"]
     return _number(found, item, f"{where}: {name}")
+
+
+def _text(found: Any, what: str) -> str:
+    if not isinstance(found, str):
+        raise InputError(f"{what} is {found!r}, a text is needed")
+    return found
 
 
 def _number(found: Any, item: "Field[Any]", what: str) -> float:

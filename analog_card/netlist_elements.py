@@ -1,11 +1,13 @@
 """The elements of a netlist with its subcircuits opened: their names, and where they stand."""
 
 from collections.abc import Iterator
+from itertools import islice
 
 from analog_card.errors import InputError
 from analog_card.netlist_text import ASSIGNMENT, Line, Netlist, nearest
 
 _DEEPEST = 20
+_MOST = 500_000
 
 
 def elements(netlist: Netlist) -> dict[str, Line]:
@@ -22,6 +24,12 @@ def elements(netlist: Netlist) -> dict[str, Line]:
         Where each stands, by path: the names of the subcircuit calls and of the element, joined
         by dots and in lower case, such as ``xone.xinverter.rinput``.
 
+    Raises
+    ------
+    InputError
+        When a subcircuit calls itself, or there are too many elements: ngspice would not come to
+        an end either.
+
     Examples
     --------
     >>> import netlists
@@ -29,18 +37,14 @@ def elements(netlist: Netlist) -> dict[str, Line]:
     >>> list(elements(read_netlist(netlists.RC_LOW_PASS)))
     ['vin', 'rlowpass', 'clowpass']
     """
-    top: list[Line] = []
-    bodies: dict[str, list[Line]] = {}
-    open_subcircuits: list[list[Line]] = [top]
-    for line in netlist.lines[1:]:
-        words = line.text.lower().split()
-        if words[0] == ".subckt" and len(words) > 1:
-            open_subcircuits.append(bodies.setdefault(words[1], []))
-        elif words[0] == ".ends" and len(open_subcircuits) > 1:
-            open_subcircuits.pop()
-        elif not words[0].startswith("."):
-            open_subcircuits[-1].append(line)
-    return dict(_opened(top, bodies, "", 0))
+    top, bodies = _split(netlist)
+    visited = list(islice(_opened(top, bodies, "", ()), _MOST + 1))
+    if len(visited) > _MOST:
+        raise InputError(
+            f"{netlist.path}: more than {_MOST} elements with its subcircuits opened; "
+            "let them call fewer others"
+        )
+    return {path: line for path, line, call in visited if not call}
 
 
 def ngspice_name(path: str) -> str:
@@ -62,6 +66,32 @@ def ngspice_name(path: str) -> str:
     ('r.xone.xinverter.rinput', 'rload')
     """
     return f"{path.rpartition('.')[2][0]}.{path}" if "." in path else path
+
+
+def refuse_node(netlist: Netlist, name: str) -> None:
+    """Refuse a netlist that has a node of some name outside its subcircuits.
+
+    Parameters
+    ----------
+    netlist : Netlist
+        The netlist.
+    name : str
+        What ngspice calls the axis of an analysis: it would leave out a node of that name.
+
+    Raises
+    ------
+    InputError
+        When an element of the top level names it.
+    """
+    for line in _split(netlist)[0]:
+        before, equals, _ = line.text.lower().partition("=")
+        words = before.split()
+        # Behind the nodes stand the name of a subcircuit and that of the first parameter.
+        behind = (words[0][0] == "x") + len(equals)
+        if name in words[1 : len(words) - behind]:
+            line.refuse(
+                f"a node called {name!r}, as what the analysis runs over", "give it another name"
+            )
 
 
 def change_command(netlist: Netlist, known: dict[str, Line], name: str, value: float) -> str:
@@ -94,13 +124,32 @@ def change_command(netlist: Netlist, known: dict[str, Line], name: str, value: f
     return f"altermod {ngspice_name(path)} {parameter} = {float(value)!r}"
 
 
+def _split(netlist: Netlist) -> tuple[list[Line], dict[str, list[Line]]]:
+    """Return the elements of the top level, and those of each subcircuit by its name."""
+    top: list[Line] = []
+    bodies: dict[str, list[Line]] = {}
+    open_subcircuits: list[list[Line]] = [top]
+    for line in netlist.lines[1:]:
+        words = line.text.lower().split()
+        if words[0] == ".subckt" and len(words) > 1:
+            open_subcircuits.append(bodies.setdefault(words[1], []))
+        elif words[0] == ".ends" and len(open_subcircuits) > 1:
+            open_subcircuits.pop()
+        elif not words[0].startswith("."):
+            open_subcircuits[-1].append(line)
+    return top, bodies
+
+
 def _opened(
-    lines: list[Line], bodies: dict[str, list[Line]], prefix: str, depth: int
-) -> Iterator[tuple[str, Line]]:
+    lines: list[Line], bodies: dict[str, list[Line]], prefix: str, within: tuple[str, ...]
+) -> Iterator[tuple[str, Line, bool]]:
+    """Yield path and line of every element, and of every call of a subcircuit ahead of its own."""
     for line in lines:
         words = ASSIGNMENT.sub("", line.text.lower()).split()
-        path = prefix + words[0]
-        if words[0][0] == "x" and words[-1] in bodies and depth < _DEEPEST:
-            yield from _opened(bodies[words[-1]], bodies, f"{path}.", depth + 1)
-        else:
-            yield path, line
+        path, called = prefix + words[0], words[-1]
+        call = words[0][0] == "x" and called in bodies and len(within) < _DEEPEST
+        if call and called in within:
+            line.refuse(f"subcircuit {called!r} calls itself", "it would be opened without end")
+        yield path, line, call
+        if call:
+            yield from _opened(bodies[called], bodies, f"{path}.", (*within, called))

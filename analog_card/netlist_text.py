@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,11 +22,18 @@ _DIRECTIVES = re.compile(
 _ELEMENTS = frozenset("bcdefghijklmopqrstuvwxyz")
 _MINIMUM_WORDS = {"r": 4, "c": 4, "l": 4}
 _LARGEST_FILE = 5_000_000
+_LONGEST_LINE = 100_000
 _MOST_FILES = 200
 
 # Comments at the end of a line, in the three forms that ngspice knows.
 _COMMENT = re.compile(r";|\s\$(\s|$)|//")
-ASSIGNMENT = re.compile(r"(\w+)\s*=\s*(\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[^\s={}'\"]+)")
+# A path may hold two of them.
+_COMMENT_BEHIND_PATH = re.compile(r"\s(;|\$(\s|$)|//)")
+# Looked for where words begin, so that its time grows no faster than the line.
+ASSIGNMENT = re.compile(r"(?<!\w)(\w+)\s*=\s*(\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[^\s={}'\"]+)")
+
+# Names as ngspice's command line takes them: plain letters, and two of them in one command.
+NAME = re.compile(r"[\w.+#-]{1,200}", re.ASCII)
 
 _SUFFIXES = {
     "t": 12,
@@ -40,7 +48,7 @@ _SUFFIXES = {
     "": 0,
 }
 _NUMBER = re.compile(
-    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(meg|[tgkmunpf])?[a-z]*", re.IGNORECASE
+    r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)(meg|[tgkmunpf])?[a-z]*", re.IGNORECASE
 )
 
 
@@ -69,10 +77,13 @@ class Netlist:
         The file it was read from.
     lines : tuple of Line
         Title first, ``.end`` last, no comments, no includes.
+    files : tuple of Path
+        What was read for it: its file and those included.
     """
 
     path: Path
     lines: tuple[Line, ...]
+    files: tuple[Path, ...] = ()
 
     @property
     def parameters(self) -> dict[str, str]:
@@ -118,7 +129,7 @@ class Netlist:
             When something is not a name.
         """
         for node in nodes:
-            if not re.fullmatch(r"[\w.+#-]+", node):
+            if not NAME.fullmatch(node):
                 raise InputError(f"{self.path}: {node!r} is not a name as in a netlist")
         words = " ".join(node if "#" in node else f"v({node})" for node in nodes)
         wanted = Line(f".save {words}", self.path, self.lines[-1].number)
@@ -147,17 +158,19 @@ def read_netlist(path: str | Path) -> Netlist:
     Notes
     -----
     Includes may come from the folder of the netlist and below, and from the netlists shipped
-    with this package. Only known directives and elements of plain SPICE are let through, so a
-    netlist from a stranger can describe a circuit and nothing else.
+    with this package; when the netlist is a link, its folder is that of the file it leads to.
+    Only known directives and elements of plain SPICE are let through, so a netlist from a
+    stranger can describe a circuit and nothing else.
     """
     path = Path(path)
-    home = path.resolve().parent
+    home = _followed(path).parent
     roots = (netlists.ROOT,) if home.is_relative_to(netlists.ROOT) else (home, netlists.ROOT)
-    lines = list(_expanded(path, roots, []))
+    files: list[Path] = []
+    lines = list(_expanded(path, roots, files))
     _require_title_and_end(path, lines)
     for line in lines[1:]:
         _refuse_harm(line)
-    return Netlist(path, tuple(lines))
+    return Netlist(path, tuple(lines), tuple(files))
 
 
 def spice_number(text: str) -> float:
@@ -225,8 +238,9 @@ def _included_file(line: Line, roots: tuple[Path, ...]) -> Path:
     words = line.text.split(maxsplit=1)
     if len(words) < 2:
         line.refuse("an include without a file", "write .include FILE")
-    included = line.file.parent / words[1].strip().strip("\"'")
-    if not any(included.resolve().is_relative_to(root) for root in roots):
+    home = (_followed(line.file) if line.file.is_symlink() else line.file).parent
+    included = home / words[1].strip().strip("\"'")
+    if not any(_followed(included).is_relative_to(root) for root in roots):
         line.refuse(
             "an include from outside the netlist's folder",
             f"includes may come from {' or '.join(map(str, roots))}",
@@ -234,6 +248,11 @@ def _included_file(line: Line, roots: tuple[Path, ...]) -> Path:
     if not included.is_file():
         line.refuse(f"{included} is not a file", "paths are relative to the file they stand in")
     return included
+
+
+def _followed(path: Path) -> Path:
+    # Path.resolve raises a RuntimeError for links in a circle; opening one says what it is.
+    return Path(os.path.realpath(path))
 
 
 def _logical_lines(path: Path, titled: bool) -> list[Line]:
@@ -247,11 +266,18 @@ def _logical_lines(path: Path, titled: bool) -> list[Line]:
         elif text.startswith("*") or text.lower().startswith(".title"):
             continue
         else:
-            text = _COMMENT.split(text, maxsplit=1)[0].strip()
+            include = text.lower().startswith(".inc")
+            comment = _COMMENT_BEHIND_PATH if include else _COMMENT
+            text = comment.split(text, maxsplit=1)[0].strip()
             if text.startswith("+") and lines and not (titled and lines[-1].number == 1):
                 lines[-1] = replace(lines[-1], text=f"{lines[-1].text} {text[1:].strip()}")
             elif text:
                 lines.append(Line(text, path, number))
+            if lines and len(lines[-1].text) > _LONGEST_LINE:
+                lines[-1].refuse(
+                    f"longer than {_LONGEST_LINE} characters",
+                    "a line and what continues it may have no more",
+                )
     return lines
 
 
@@ -259,7 +285,8 @@ def _read_text(path: Path) -> str:
     try:
         if path.stat().st_size > _LARGEST_FILE:
             raise InputError(f"{path}: larger than {_LARGEST_FILE} bytes, not read as a netlist")
-        text = path.read_text(encoding="utf-8")
+        # Some editors put a mark ahead of the text, which is none of it.
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as problem:
         raise InputError(
             f"{path}: not UTF-8 text (byte {problem.start}); save it as UTF-8"
@@ -296,6 +323,8 @@ def _refuse_harm(line: Line) -> None:
                 "with sections (.lib) and compiled models are not run",
             )
         return
+    if ASSIGNMENT.match(line.text):
+        line.refuse("an assignment in place of an element", f"write .param {line.text[:80]}")
     if words[0][0] not in _ELEMENTS:
         line.refuse("not an element of plain SPICE", "code models and commands are not run")
     if words[0][0] in "vi" and "external" in words:

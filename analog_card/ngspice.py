@@ -15,9 +15,9 @@ from analog_card.analyses import (
     SourceSweep,
     Transient,
 )
-from analog_card.errors import SimulationError
-from analog_card.netlist_elements import change_command, elements
-from analog_card.netlist_text import Netlist, read_netlist
+from analog_card.errors import InputError, SimulationError
+from analog_card.netlist_elements import change_command, elements, refuse_node
+from analog_card.netlist_text import Netlist, nearest, read_netlist
 from analog_card.ngspice_words import located
 from analog_card.simulator import SIMULATOR, Simulator
 from analog_card.waveforms import Waveforms, noise_voltage
@@ -68,8 +68,9 @@ def run(
     Raises
     ------
     InputError
-        When the netlist cannot be read, holds something other than a circuit, or has no
-        parameter of a name given.
+        When the netlist cannot be read, holds something other than a circuit or a subcircuit that
+        calls itself, has no parameter or source of a name given, or a node called as the axis of
+        the analysis is.
     SimulationError
         When ngspice failed, with its own words and the file, line and node it means.
 
@@ -81,6 +82,7 @@ def run(
     array([ 0.754,  7.532, 67.826])
     """
     source = _prepared(netlist, parameters, save)
+    elements(source)  # refuses subcircuits that ngspice would open without end
     return _asked(SIMULATOR, source, analysis, time_limit, send=True, changes=[], keep=False)
 
 
@@ -261,6 +263,10 @@ def _asked(
     changes: list[str],
     keep: bool,
 ) -> Waveforms:
+    if isinstance(analysis, SourceSweep):
+        _require_source(source, analysis.source)
+    if analysis.axis is not None:
+        refuse_node(source, analysis.axis)
     lines = [line.text for line in source.lines] if send else None
     try:
         header, found = simulator.ask(lines, analysis.command, time_limit, changes, keep)
@@ -273,7 +279,17 @@ def _asked(
         raise _failure(source, header["words"], header["failure"])
     if isinstance(analysis, Transient):
         _require_end(source, analysis, vectors["time"], header["words"])
-    return Waveforms(source.path, vectors, tuple(header["words"]))
+    return Waveforms(source.path, vectors, tuple(header["words"]), analysis.axis)
+
+
+def _require_source(netlist: Netlist, name: str) -> None:
+    # ngspice would sweep a resistor or the temperature too, which is neither volts nor amperes.
+    sources = [path for path in elements(netlist) if path[0] in "vi" and "." not in path]
+    if name.lower() not in sources:
+        raise InputError(
+            f"{netlist.path}: no voltage or current source {name!r} to sweep"
+            f"{nearest(name.lower(), sources)}"
+        )
 
 
 def _failure(source: Netlist, words: Sequence[str], otherwise: str) -> SimulationError:

@@ -91,11 +91,11 @@ def run_trials(
     def keep(index: int, figures: Figures) -> None:
         done[index] = figures
         if store is not None:
-            _append(Path(store), {"trial": index, "figures": figures})
+            _append(Path(store), json.dumps({"trial": index, "figures": figures}) + "\n")
         step(f"trial {index}")
 
     if store is not None and not Path(store).exists():
-        _append(Path(store), {"study": study})
+        _append(Path(store), _first_line(study))
     if pool is not None:
         _share_out(pool, trial, chunks, keep)
     elif jobs == 1 or len(chunks) < 2:
@@ -127,10 +127,14 @@ def _collected(trial: Trial, chunk: Sequence[int]) -> list[Figures]:
         return list(trial(chunk))
 
 
-def _append(path: Path, line: dict[str, Any]) -> None:
+def _first_line(study: str) -> str:
+    return json.dumps({"study": study}) + "\n"
+
+
+def _append(path: Path, line: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as stream:
-        stream.write(json.dumps(line) + "\n")
+        stream.write(line)
         stream.flush()
         os.fsync(stream.fileno())
 
@@ -141,11 +145,13 @@ def _read(path: Path, study: str) -> dict[int, Figures]:
         return {}
     content = path.read_bytes()
     whole = content[: content.rfind(b"\n") + 1]
+    if not whole and not _first_line(study).encode().startswith(content):
+        raise InputError(f"{path}: not a file of trials (no whole line); name another")
     try:
         lines = [json.loads(line) for line in whole.decode().splitlines()]
         found = {int(line["trial"]): dict(line["figures"]) for line in lines[1:]}
         of_study = lines[0]["study"] if lines else study
-    except (ValueError, KeyError, TypeError) as problem:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as problem:
         raise InputError(f"{path}: not a file of trials ({problem}); name another") from problem
     if of_study != study:
         raise InputError(

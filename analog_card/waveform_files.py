@@ -1,6 +1,6 @@
 """Waveforms as files and pictures: CSV, Parquet, HDF5, and curves over their axis."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ def columns(result: Waveforms, nodes: Sequence[str] = ()) -> dict[str, tuple[str
     InputError
         When there is no such node.
     """
-    axis = axis_of(result)
+    axis = result.axis
     wanted = [node.lower() for node in nodes] or [name for name in result.vectors if name != axis]
     found = {axis: (_AXES[axis], result[axis].real)} if axis else {}
     for name in wanted:
@@ -49,11 +49,6 @@ def columns(result: Waveforms, nodes: Sequence[str] = ()) -> dict[str, tuple[str
         else:
             found[name] = (unit, values)
     return found
-
-
-def axis_of(result: Waveforms) -> str | None:
-    """Return the name of what a result runs over; None for an operating point."""
-    return next((axis for axis in _AXES if axis in result.vectors), None)
 
 
 def write_waveforms(result: Waveforms, path: str | Path, nodes: Sequence[str] = ()) -> Path:
@@ -76,13 +71,14 @@ def write_waveforms(result: Waveforms, path: str | Path, nodes: Sequence[str] = 
     Raises
     ------
     InputError
-        When the form or a node is not known.
+        When the form or a node is not known, or the form cannot hold the name of a node.
     """
     path = Path(path)
     require_form(path)
     found = columns(result, nodes)
     content = BytesIO()
     if path.suffix == ".h5":
+        _require_names_for_hdf5(path, found)
         import h5py
 
         with h5py.File(content, "w") as file:
@@ -111,6 +107,14 @@ def require_form(path: Path) -> None:
         raise InputError(f"{path}: unknown form {path.suffix!r}; there is {', '.join(FORMS)}")
 
 
+def _require_names_for_hdf5(path: Path, names: Iterable[str]) -> None:
+    # There a slash stands between a group and what is in it, and a dot for the group itself.
+    for name in names:
+        if name == "." or "/" in name:
+            others = ", ".join(form for form in FORMS if form != ".h5")
+            raise InputError(f"{path}: HDF5 cannot hold the name {name!r}; write {others}")
+
+
 def plot_waveforms(result: Waveforms, axes: Sequence[Any], nodes: Sequence[str] = ()) -> Any:
     """Draw a result over its axis.
 
@@ -133,7 +137,7 @@ def plot_waveforms(result: Waveforms, axes: Sequence[Any], nodes: Sequence[str] 
     InputError
         When there is no such node.
     """
-    axis = axis_of(result)
+    axis = result.axis
     if axis is None:
         raise InputError(f"{result.netlist}: an operating point has no curve; write it with --out")
     over = result[axis].real
@@ -163,7 +167,7 @@ def _top_level(result: Waveforms) -> list[str]:
     if "onoise_spectrum" in result.vectors:
         return ["onoise_spectrum", "inoise_spectrum"]
     plain = [name for name in result.vectors if "." not in name and "#" not in name]
-    return [name for name in plain if name not in _AXES and name not in ("vcc", "vee")]
+    return [name for name in plain if name not in (result.axis, "vcc", "vee")]
 
 
 def _vertical(result: Waveforms, names: Sequence[str]) -> str:

@@ -22,11 +22,14 @@ class Waveforms:
         ``time`` [s] or ``frequency`` [Hz]; complex for a frequency sweep. Names are lower case.
     warnings : tuple of str
         What ngspice remarked without failing.
+    axis : str or None
+        Name of what the values run over; None for an operating point.
     """
 
     netlist: Path
     vectors: dict[str, np.ndarray]
     warnings: tuple[str, ...] = ()
+    axis: str | None = None
 
     def __getitem__(self, node: str) -> np.ndarray:
         """Return the values at a node."""
@@ -70,7 +73,7 @@ class Waveforms:
     @property
     def sweep(self) -> np.ndarray:
         """The values of the swept source [V] or [A]."""
-        return self[next((name for name in self.vectors if name.endswith("-sweep")), "sweep")]
+        return self[self.axis if self.axis in ("v-sweep", "i-sweep") else "sweep"]
 
     @property
     def noise_density(self) -> np.ndarray:

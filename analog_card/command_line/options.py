@@ -1,8 +1,11 @@
 """What the subcommands share: options, examples, tables."""
 
+from pathlib import Path
 from typing import Any
 
 import click
+
+from analog_card.files import require_apart
 
 DESIGN = click.option(
     "--design",
@@ -11,6 +14,25 @@ DESIGN = click.option(
     help="Design file of the card; without it the recommended card.",
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
+
+
+def keep_design(design_file: str | None, *outputs: str | Path | None) -> None:
+    """Refuse to write over the design that is read.
+
+    Parameters
+    ----------
+    design_file : str or None
+        What was given with --design.
+    *outputs : str, Path or None
+        Files that are going to be written, where they were asked for.
+
+    Raises
+    ------
+    InputError
+        When it is one of them.
+    """
+    if design_file is not None:
+        require_apart([path for path in outputs if path is not None], [design_file])
 
 
 def examples(*commands: str) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from analog_card.command_line.options import DESIGN, examples
+from analog_card.command_line.options import DESIGN, examples, keep_design
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.files import write_whole
@@ -21,6 +21,7 @@ def command(design_file: str | None, out: str) -> None:
     """Draw the card: one channel and the supplies, with values and settings."""
     if Path(out).suffix not in _FORMS:
         raise InputError(f"{out}: unknown form of picture; there is {', '.join(_FORMS)}")
+    keep_design(design_file, out)
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(16, 12), layout="constrained")

@@ -1,6 +1,7 @@
 """``analog-card simulate``: a netlist through the simulator."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,17 +20,26 @@ from analog_card.analyses import (
 )
 from analog_card.command_line.options import examples, table
 from analog_card.errors import InputError
-from analog_card.files import write_whole
+from analog_card.files import require_apart, write_whole
 from analog_card.netlist_text import Netlist, nearest, read_netlist, spice_number
 from analog_card.ngspice import Waveforms, run
 from analog_card.quantities import to_si
 from analog_card.waveform_files import (
-    axis_of,
     columns,
     plot_waveforms,
     require_form,
     write_waveforms,
 )
+
+# What an analysis is made of; --points has a default.
+_OPTIONS: dict[str, tuple[str, ...]] = {
+    "op": (),
+    "dc": ("--from", "--to", "--step", "--source"),
+    "ac": ("--from", "--to", "--points"),
+    "tran": ("--to", "--step"),
+    "noise": ("--from", "--to", "--points", "--source"),
+}
+_POINTS = 20
 
 
 class Parameter(click.ParamType):
@@ -46,7 +56,7 @@ class Parameter(click.ParamType):
         name, equals, number = (part.strip() for part in str(value).partition("="))
         if not (name.isidentifier() and equals):
             self.fail(f"{value!r}; write for example resistance=22k", param, ctx)
-        if re.fullmatch(r"[\d.]+M", number):
+        if re.fullmatch(r"[-+]?[\d.]+([eE][-+]?\d+)?M(?![eE][gG])[A-Za-z]*", number):
             self.fail(f"{value!r}: M is a thousandth in SPICE; write meg or m", param, ctx)
         try:
             return name, spice_number(number)
@@ -74,7 +84,7 @@ class Parameter(click.ParamType):
 @click.option("--from", "start", metavar="VALUE", help="First frequency, or value of the source.")
 @click.option("--to", "stop", metavar="VALUE", help="Last frequency, value or time.")
 @click.option("--step", metavar="VALUE", help="Step of a dc sweep, longest step of a transient.")
-@click.option("--points", type=int, default=20, show_default=True, help="Points per decade.")
+@click.option("--points", type=int, help=f"Points per decade.  [default: {_POINTS}]")
 @click.option("--source", metavar="NAME", help="Source to sweep, or that noise is referred to.")
 @click.option("--node", "nodes", metavar="NAME", multiple=True, help="Node wanted; without it all.")
 @click.option("--out", metavar="FILE", help="Write the values: .csv, .parquet or .h5.")
@@ -86,7 +96,7 @@ def command(
     start: str | None,
     stop: str | None,
     step: str | None,
-    points: int,
+    points: int | None,
     source: str | None,
     nodes: tuple[str, ...],
     out: str | None,
@@ -101,8 +111,12 @@ def command(
         require_form(Path(out))
     if plot is not None and Path(plot).suffix not in (".svg", ".png", ".pdf"):
         raise InputError(f"{plot}: unknown form of picture; there is .svg, .png, .pdf")
+    if plot is not None and analysis == "op":
+        raise InputError("--plot: an operating point has no curve; write it with --out")
     netlist = read_netlist(_path(file))
-    wanted = _analysis(netlist, analysis, (start, stop, step), points, source, nodes)
+    require_apart((path for path in (out, plot) if path is not None), netlist.files)
+    options = {"--from": start, "--to": stop, "--step": step, "--points": points}
+    wanted = _analysis(netlist, analysis, {**options, "--source": source}, nodes)
     if isinstance(wanted, Noise):
         nodes = ()
     result = run(netlist, wanted, dict(parameters))
@@ -126,54 +140,53 @@ def _path(file: str) -> Path:
 
 
 def _analysis(
-    netlist: Netlist,
-    kind: str,
-    values: tuple[str | None, str | None, str | None],
-    points: int,
-    source: str | None,
-    nodes: tuple[str, ...],
+    netlist: Netlist, kind: str, options: Mapping[str, str | int | None], nodes: tuple[str, ...]
 ) -> Analysis:
-    if kind == "op" or not any(value is not None for value in values):
+    given = {option: value for option, value in options.items() if value is not None}
+    own = kind == "op" or not given.keys() & {"--from", "--to", "--step"}
+    _refuse_unused(kind, given, own)
+    if kind == "noise" and len(nodes) > 1:
+        raise InputError(f"--node: noise is computed at one node, not at {', '.join(nodes)}")
+    if own:
         found = analysis_in(netlist, kind)
         if isinstance(found, Noise) and nodes:
             found = replace(found, node=nodes[0])
-        if isinstance(found, Noise | SourceSweep) and source:
-            found = replace(found, source=source)
+        if isinstance(found, Noise | SourceSweep) and "--source" in given:
+            found = replace(found, source=str(given["--source"]))
         return found
-    unit = {"dc": "", "tran": "s"}.get(kind, "Hz")
-    start, stop, step = (
-        None if text is None else to_si(text, unit, option)
-        for text, option in zip(values, ("--from", "--to", "--step"), strict=True)
-    )
-    needed: dict[str, Any] = {"--to": stop}
-    if kind == "tran":
-        needed["--step"] = step
-    else:
-        needed["--from"] = start
-    if kind == "dc":
-        needed["--step"] = step
-    if kind in ("dc", "noise"):
-        needed["--source"] = source
-    if kind == "noise":
-        needed["--node"] = nodes[0] if nodes else None
-    for option, value in needed.items():
-        if value is None:
+    for option in (*_OPTIONS[kind], *["--node"] * (kind == "noise" and not nodes)):
+        if option not in given and option != "--points":
             raise InputError(f"{option}: needed too, for --analysis {kind} with options")
-    first, last, every = (float(value or 0) for value in (start, stop, step))
+    unit = {"dc": "", "tran": "s"}.get(kind, "Hz")
+    first, last, every = (
+        to_si(given.get(option, 0.0), unit, option) for option in ("--from", "--to", "--step")
+    )
+    source, points = str(given.get("--source")), int(given.get("--points", _POINTS))
     if kind == "dc":
-        return SourceSweep(str(source), first, last, every)
+        return SourceSweep(source, first, last, every)
     if kind == "tran":
         return Transient(last, every)
     if kind == "noise":
-        return Noise(nodes[0], str(source), first, last, points)
+        return Noise(nodes[0], source, first, last, points)
     return FrequencySweep(first, last, points)
+
+
+def _refuse_unused(kind: str, given: Mapping[str, str | int], own: bool) -> None:
+    taken = _OPTIONS[kind]
+    for option in given:
+        if option not in taken:
+            there = f"it takes {', '.join(taken)}" if taken else "it takes none such"
+            raise InputError(f"{option}: not used by --analysis {kind}; {there}")
+        if own and option == "--points":
+            raise InputError(
+                f"{option}: not used with the netlist's own .{kind} line; give --from and --to too"
+            )
 
 
 def _print(result: Waveforms, nodes: tuple[str, ...]) -> None:
     from rich.console import Console
 
-    axis = axis_of(result)
-    heads = ["value"] if axis is None else ["first", "least", "largest", "last"]
+    heads = ["value"] if result.axis is None else ["first", "least", "largest", "last"]
     rows = table(result.netlist.name, "node", "unit", *heads)
     for name, (unit, values) in columns(result, nodes).items():
         picked = [values[0], values.min(), values.max(), values[-1]]
@@ -186,7 +199,7 @@ def _write_plot(result: Waveforms, plot: str, nodes: tuple[str, ...]) -> Path:
 
     from matplotlib.figure import Figure
 
-    both = np.iscomplexobj(result[axis_of(result) or next(iter(result.vectors))])
+    both = np.iscomplexobj(result[result.axis or next(iter(result.vectors))])
     spectrum = both and "onoise_spectrum" not in result.vectors
     figure = Figure(figsize=(9, 6), layout="constrained")
     axes = figure.subplots(2 if spectrum else 1, 1, sharex=True, squeeze=False).ravel().tolist()

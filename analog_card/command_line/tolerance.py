@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
 
 from analog_card.behaviour_elements import figure_name, offset_name
-from analog_card.command_line.options import DESIGN, JSON, examples, table
+from analog_card.command_line.options import DESIGN, JSON, examples, keep_design, table
 from analog_card.command_line.tolerance_options import tolerance_options, with_tolerances
 from analog_card.console import Count, progress
 from analog_card.design import AMPLIFIER_FIGURES, AMPLIFIERS
@@ -19,6 +20,7 @@ from analog_card.tolerance_figures import FIGURES
 from analog_card.tolerance_statistics import CONFIDENCE
 from analog_card.tolerance_study import Study, study_card
 
+_REPORT = "tolerance.json"
 # Written as they are; the others take prefixes.
 _PLAIN_UNITS = ("1/s2", "1/s", "m/s2", "V s/m", "V s2/m", "degree", "Hz")
 
@@ -93,6 +95,8 @@ def command(
     part matters most. Tolerances are those of the design file; options replace them. In closed
     loop: pneuservo tolerance.
     """
+    if out is not None:
+        keep_design(design_file, Path(out) / _REPORT)
     with progress(total=trials + netlist_trials) as step:
         study = study_card(
             with_tolerances(load_design(design_file), tolerances),
@@ -130,19 +134,17 @@ def parsed_limits(texts: tuple[str, ...], units: dict[str, str]) -> dict[str, tu
 
 def report(study: Study, out: str | None, as_json: bool) -> None:
     """Print a study and write it."""
-    from pathlib import Path
-
     from analog_card.files import write_whole
 
     text = json.dumps(plain_json(study.to_dict()), indent=2)
     if out is not None:
-        write_whole(Path(out) / "tolerance.json", text + "\n")
+        write_whole(Path(out) / _REPORT, text + "\n")
     if as_json:
         click.echo(text)
         return
     _print(study)
     if out is not None:
-        click.echo(f"written: {Path(out) / 'tolerance.json'}")
+        click.echo(f"written: {Path(out) / _REPORT}")
 
 
 def _print(study: Study) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from analog_card.command_line.options import DESIGN, JSON, examples, table
+from analog_card.command_line.options import DESIGN, JSON, examples, keep_design, table
 from analog_card.console import Quantity, progress
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
@@ -55,6 +55,7 @@ def command(
     """Weigh the break frequency of the differentiators: noise against switching frequency."""
     if plot is not None and Path(plot).suffix not in _FORMS:
         raise InputError(f"{plot}: unknown form of picture; there is {', '.join(_FORMS)}")
+    keep_design(design_file, plot)
     design = load_design(design_file)
     with progress(total=len(BREAK_FREQUENCIES)) as step:
         found = trade_off(

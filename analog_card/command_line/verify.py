@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from analog_card.behaviour import Imperfections
-from analog_card.command_line.options import DESIGN, JSON, examples, table
+from analog_card.command_line.options import DESIGN, JSON, examples, keep_design, table
 from analog_card.console import progress
 from analog_card.design_file import load_design
 from analog_card.files import write_whole
@@ -42,20 +42,23 @@ def command(
     Frequency response of every stage; sine, triangle, step, overload and relay over time. Exit
     status 1 when they differ by more than the limits.
     """
+    numbers, drawing = (Path(out or "", f"verification.{form}") for form in ("json", "png"))
+    if out is not None:
+        keep_design(design_file, numbers, drawing)
     design = load_design(design_file)
     model = Imperfections().without(*(name.replace("-", "_") for name in without))
     with progress(total=_STEPS) as step:
         result = compare(design, step, model)
     text = json.dumps(result.to_dict(), indent=2)
     if out is not None:
-        write_whole(Path(out) / "verification.json", text + "\n")
-        write_whole(Path(out) / "verification.png", picture(result))
+        write_whole(numbers, text + "\n")
+        write_whole(drawing, picture(result))
     if as_json:
         click.echo(text)
     else:
         _print_verification(result)
         if out is not None:
-            click.echo(f"written: {Path(out) / 'verification.png'}")
+            click.echo(f"written: {drawing}")
     if not result.passed:
         context.exit(1)
 

@@ -99,6 +99,26 @@ def test_bad_input_exits_with_status_2(analog_card, arguments, expected):
     assert "Traceback" not in result.output
 
 
+@pytest.mark.parametrize(
+    ("arguments", "design"),
+    [
+        ("schematic --out", "card.svg"),
+        ("trade-off --plot", "card.svg"),
+        ("verify --out .", "verification.json"),
+        ("verify --out .", "verification.png"),
+        ("tolerance --out .", "tolerance.json"),
+    ],
+)
+def test_the_design_is_not_written_over(analog_card, tmp_path, arguments, design):
+    (tmp_path / design).write_text('title = "mine"\n')
+    words = arguments.split() + [design] * (not arguments.endswith("."))
+    result = analog_card(*words, "--design", design)
+    assert result.exit_code == 2, result.output
+    assert f"{design}: is read, and nothing that is read is written over" in result.output
+    assert [path.name for path in tmp_path.iterdir() if path.name != "bad.toml"] == [design]
+    assert (tmp_path / design).read_text() == 'title = "mine"\n'
+
+
 @pytest.mark.ngspice
 def test_verify_writes_picture_and_numbers(analog_card, tmp_path):
     result = analog_card("verify", "--out", "out")

@@ -126,6 +126,10 @@ def test_what_is_written_reads_back(tmp_path):
             '[soldered.inverter]\nresistance = { value = "22 kohm", tolerance = -0.1 }\n',
             "soldered.inverter.resistance.tolerance is -0.1",
         ),
+        (
+            "[soldered.inverter]\nresistance = { value = 1, source = { a = 1 } }\n",
+            "soldered.inverter.resistance.source is {'a': 1}, a text is needed",
+        ),
         ("title = 3\n", "title is 3, a text is needed"),
         ("title = \n", "not valid TOML"),
     ],

@@ -111,6 +111,18 @@ def test_every_curve_is_drawn(analog_card, analysis, tmp_path):
         ("simulate own.cir --analysis op --param rr=1", "no parameter 'rr'; nearest is 'r'"),
         ("simulate own.cir --analysis op --param r", "write for example resistance=22k"),
         ("simulate own.cir --analysis op --param r=1M", "M is a thousandth in SPICE"),
+        ("simulate own.cir --analysis op --param r=1Mohm", "M is a thousandth in SPICE"),
+        ("simulate own.cir --analysis op --param r=1.0e0M", "M is a thousandth in SPICE"),
+        ("simulate own.cir --analysis op --param r=-5M", "M is a thousandth in SPICE"),
+        ("simulate own.cir --analysis op --step 1", "--step: not used by --analysis op"),
+        ("simulate own.cir --analysis op --source V1", "--source: not used by --analysis op"),
+        ("simulate own.cir --analysis ac --points 3", "--points: not used with the netlist's own"),
+        ("simulate own.cir --analysis tran --from 1 --to 1 --step 1e-3",
+         "--from: not used by --analysis tran; it takes --to, --step"),
+        ("simulate own.cir --analysis noise --node in --node out", "noise is computed at one node"),
+        ("simulate own.cir --analysis dc --source Xpart", "no voltage or current source 'Xpart'"),
+        ("simulate own.cir --analysis ac --from 1 --to 9 --points 100000000000",
+         "fewer points a decade are needed"),
         ("simulate own.cir --analysis op --param r=big", "write for example r=22k"),
         ("simulate own.cir --analysis op --node outt", "no node 'outt'; nearest is 'out'"),
         ("simulate own.cir --analysis op --plot own.svg", "an operating point has no curve"),
@@ -127,6 +139,38 @@ def test_bad_input_exits_with_status_2(analog_card, line, expected):
     assert result.exit_code == 2, result.output
     assert expected in result.output
     assert "Traceback" not in result.output
+
+
+def test_a_large_mega_is_none_of_a_milli(analog_card):
+    for written in ("1MEGohm", "1Meg", "1m"):
+        result = analog_card(f"simulate own.cir --analysis op --param r={written}")
+        assert result.exit_code == 0, result.output
+
+
+def test_nothing_is_written_for_a_plot_that_cannot_be(analog_card, tmp_path):
+    result = analog_card("simulate own.cir --analysis op --out own.csv --plot own.svg")
+    assert result.exit_code == 2
+    assert not (tmp_path / "own.csv").exists()
+
+
+@pytest.mark.parametrize(("option", "file"), [("--out", "part.csv"), ("--plot", "net.svg")])
+def test_what_is_read_is_not_written_over(analog_card, tmp_path, option, file):
+    (tmp_path / "part.csv").write_text(PART)
+    (tmp_path / "net.svg").write_text(OWN.replace("part.lib", "part.csv"))
+    before = (tmp_path / file).read_text()
+    result = analog_card(f"simulate net.svg --analysis tran {option} ./{file}")
+    assert result.exit_code == 2
+    assert f"{file}: is read, and nothing that is read is written over" in result.output
+    assert (tmp_path / file).read_text() == before
+
+
+@pytest.mark.parametrize("name", [".", "/b", "a/c"])
+def test_a_name_that_hdf5_cannot_hold_is_refused(analog_card, tmp_path, name):
+    (tmp_path / "odd.cir").write_text(f"odd\nV1 a 0 1\nR1 a {name} 1k\nR2 {name} 0 1k\n.end\n")
+    result = analog_card("simulate odd.cir --analysis op --out odd.h5")
+    assert result.exit_code == 2
+    assert f"HDF5 cannot hold the name '{name}'; write .csv, .parquet" in result.output
+    assert analog_card("simulate odd.cir --analysis op --out odd.csv").exit_code == 0
 
 
 @pytest.mark.parametrize(

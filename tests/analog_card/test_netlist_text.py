@@ -1,8 +1,10 @@
 import re
+import time
 
 import pytest
 
 import netlists
+from analog_card import netlist_elements
 from analog_card.analyses import (
     FrequencySweep,
     Noise,
@@ -14,7 +16,7 @@ from analog_card.analyses import (
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.netlist_elements import elements
-from analog_card.netlist_text import read_netlist, spice_number
+from analog_card.netlist_text import ASSIGNMENT, read_netlist, spice_number
 
 BENCHES = sorted((netlists.ROOT / "benches").glob("*.cir"))
 FILES = sorted(netlists.ROOT.rglob("*.lib")) + BENCHES
@@ -86,6 +88,8 @@ def test_an_expression_without_braces_is_not_guessed_at(tmp_path):
         (["t", "N1 a b osdi", ".end"], "plain SPICE"),
         (["t", "V1 a 0 dc 0 external", ".end"], "an external source"),
         (["t", "R1 a 1k", ".end"], "two nodes and a value"),
+        (["t", ".if (0)", "q=5", ".endif", ".end"], "an assignment in place of an element"),
+        (["t", "V1 a 0 pwl(", *["+ 0 0 1 1" * 999] * 12, ".end"], "longer than 100000 characters"),
         (["t", ".include /etc/hostname", ".end"], "outside the netlist's folder"),
         (["t", ".include ../secret.lib", ".end"], "outside the netlist's folder"),
         (["t", ".inc '../secret.lib'", ".end"], "outside the netlist's folder"),
@@ -114,6 +118,62 @@ def test_a_link_to_the_outside_is_outside(tmp_path):
     (inner / "link.lib").symlink_to(tmp_path / "secret.lib")
     with pytest.raises(InputError, match="outside"):
         read_netlist(write(inner, "t", ".include link.lib", ".end"))
+
+
+def test_links_in_a_circle_are_no_file(tmp_path):
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    with pytest.raises(InputError, match="Too many levels of symbolic links"):
+        read_netlist(loop)
+    with pytest.raises(InputError, match="loop is not a file"):
+        read_netlist(write(tmp_path, "t", ".include loop", ".end"))
+
+
+def test_a_link_to_a_netlist_includes_what_lies_beside_its_target(tmp_path):
+    real = tmp_path / "real"
+    real.mkdir()
+    write(real, "R1 a 0 1k", name="part.lib")
+    write(tmp_path, "R9 a 0 1", name="secret.lib")
+    link = tmp_path / "link.cir"
+    link.symlink_to(write(real, "t", ".include part.lib", ".end"))
+    assert [line.text for line in read_netlist(link).lines] == ["t", "R1 a 0 1k", ".end"]
+    # Beside the link, but not beside the file that it leads to.
+    link.unlink()
+    link.symlink_to(write(real, "t", f".include {tmp_path}/secret.lib", ".end"))
+    with pytest.raises(InputError, match="outside the netlist's folder"):
+        read_netlist(link)
+
+
+@pytest.mark.parametrize("path", ["a//b/x.lib", "a;b.lib", '"a/b/x.lib"', "a/b/x.lib ; c // d $ e"])
+def test_a_path_may_hold_the_signs_of_a_comment(tmp_path, path):
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    for name in ("a/b/x.lib", "a;b.lib"):
+        write(tmp_path, "R1 a 0 1k", name=name)
+    netlist = read_netlist(write(tmp_path, "t", f".include {path}", ".end"))
+    assert [line.text for line in netlist.lines] == ["t", "R1 a 0 1k", ".end"]
+
+
+def test_a_byte_order_mark_is_no_part_of_an_included_file(tmp_path):
+    (tmp_path / "part.lib").write_text("* comment\nR1 a 0 1k\n", encoding="utf-8-sig")
+    netlist = read_netlist(write(tmp_path, "t", ".include part.lib", ".end"))
+    assert [line.text for line in netlist.lines] == ["t", "R1 a 0 1k", ".end"]
+
+
+def test_every_file_read_is_known(tmp_path):
+    # Also one of comments only, and one that only includes.
+    write(tmp_path, "* nothing", name="empty.lib")
+    write(tmp_path, ".include empty.lib", name="all.lib")
+    netlist = read_netlist(write(tmp_path, "t", ".include all.lib", ".end"))
+    assert [file.name for file in netlist.files] == ["circuit.cir", "all.lib", "empty.lib"]
+
+
+def test_the_search_for_assignments_grows_no_faster_than_the_line():
+    before = time.process_time()
+    assert ASSIGNMENT.findall(".param " + "a" * 50_000) == []
+    with pytest.raises(ValueError, match="not a number"):
+        spice_number("1" * 50_000 + "!")
+    # Some milliseconds; 20 s and more when every letter could begin a name.
+    assert time.process_time() - before < 2
 
 
 def test_shipped_parts_may_be_included_from_anywhere(tmp_path):
@@ -178,11 +238,24 @@ def test_elements_of_nested_subcircuits_have_paths(tmp_path):
     assert found["xa.xone.r1"].number == 3
 
 
-def test_a_subcircuit_that_holds_itself_ends(tmp_path):
-    netlist = read_netlist(
-        write(tmp_path, "t", ".subckt s a", "X1 a s", "R1 a 0 1", ".ends", "X1 n s", ".end")
-    )
-    assert len(elements(netlist)) < 50
+@pytest.mark.parametrize("again", ["s", "t"])
+def test_a_subcircuit_that_calls_itself_is_refused(tmp_path, again):
+    calls = [f"X{k} a {again}" for k in range(1, 4)]
+    lines = [".subckt s a", *calls, ".ends", ".subckt t a", "X1 a s", ".ends", "X9 n s", ".end"]
+    netlist = read_netlist(write(tmp_path, "t", *lines))
+    with pytest.raises(InputError, match=r"circuit\.cir, line \d: subcircuit 's' calls itself"):
+        elements(netlist)
+
+
+def test_subcircuits_that_open_into_too_many_elements_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(netlist_elements, "_MOST", 100)
+    lines = ["t"]
+    for k in range(20):
+        lines += [f".subckt s{k} a", f"X1 a s{k + 1}", f"X2 a s{k + 1}", ".ends"]
+    # The innermost is empty: what counts is what has to be looked at.
+    netlist = read_netlist(write(tmp_path, *lines, ".subckt s20 a", ".ends", "X1 n s0", ".end"))
+    with pytest.raises(InputError, match="more than 100 elements"):
+        elements(netlist)
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,4 @@
+import math
 import multiprocessing
 import os
 import signal
@@ -178,6 +179,62 @@ def test_a_source_sweep(circuit):
     np.testing.assert_allclose(swept["out"], 0.75 * swept.sweep, rtol=1e-8)
 
 
+@pytest.mark.parametrize("name", ["r1", "temp", "v2"])
+def test_only_a_source_is_swept(circuit, name):
+    with pytest.raises(InputError, match=f"no voltage or current source '{name}' to sweep.*vin"):
+        run(circuit(*LOW_PASS), SourceSweep(name, 1, 10, 1))
+
+
+AXES = {
+    "time": Transient(1e-3, 1e-4),
+    "frequency": FrequencySweep(1, 10, 1),
+    "v-sweep": SourceSweep("v1", 0, 1, 1),
+    "i-sweep": SourceSweep("i1", 0, 1, 1),
+}
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_a_node_called_as_an_axis(circuit, name):
+    divider = ["divider", "V1 a 0 dc 1 ac 1", "I1 0 a 0", f"R1 a {name} 1k", f"R2 {name} 0 1k"]
+    file = circuit(*divider, ".end")
+    for axis, analysis in AXES.items():
+        if axis == name:
+            with pytest.raises(InputError, match=f"line 4: a node called '{name}'"):
+                run(file, analysis)
+        else:
+            found = run(file, analysis)
+            assert found.axis == axis
+            assert len(found[name]) == len(found[axis])
+    point = run(file, OperatingPoint())
+    assert point.axis is None
+    assert point[name] == pytest.approx([0.5])
+
+
+def test_time_within_a_subcircuit_as_its_name_and_in_an_expression_is_no_node_of_that_name(circuit):
+    file = circuit(
+        "t",
+        "V1 a 0 1",
+        ".subckt time a b r=2",
+        "R1 a time 1k",
+        "R2 time b 1k",
+        ".ends",
+        "X1 a 0 time",
+        "X2 a 0 time r = 1",
+        "B1 b 0 v = 2 * time + time",
+        ".end",
+    )
+    found = run(file, AXES["time"])
+    assert found["x1.time"][-1] == pytest.approx(0.5)
+    assert found["b"][-1] == pytest.approx(3e-3)
+
+
+def test_a_subcircuit_that_calls_itself_is_not_run(circuit):
+    calls = [f"X{k} a b s" for k in range(3)]
+    file = circuit("t", "V1 a 0 1", ".subckt s a b", *calls, ".ends", "X9 a 0 s", ".end")
+    with pytest.raises(InputError, match="subcircuit 's' calls itself"):
+        run(file, OperatingPoint())
+
+
 def test_noise_of_a_resistor(circuit):
     result = run(circuit(*LOW_PASS), Noise("out", "Vin", 1, 1e6, 20, contributions=True))
     # sqrt(4 k T R) at 27 C behind 1/sqrt(1 + (f/fc)^2), and sqrt(k T/C) in all; 1 MHz is 630 fc.
@@ -296,7 +353,7 @@ from analog_card.simulator import SIMULATOR
 
 SIMULATOR.version()
 print(SIMULATOR.process_id, flush=True)
-run(netlists.RC_LOW_PASS, Transient(1e3, 1e-6))
+run(netlists.RC_LOW_PASS, Transient(90.0, 1e-6))
 """
 
 
@@ -331,6 +388,14 @@ def test_a_version_that_pyspice_does_not_know_is_fine(circuit):
         lambda: Noise("out", "vin", 10, 1),
         lambda: SourceSweep("vin", 0, 1, -0.1),
         lambda: SourceSweep("vin", 0, 1, 0),
+        lambda: SourceSweep("vin", 0, 1, 1e-30),
+        lambda: SourceSweep("vïn", 0, 1, 0.1),
+        lambda: SourceSweep("v" * 2000, 0, 1, 0.1),
+        lambda: Noise("a" * 2000, "vin", 1, 10),
+        lambda: FrequencySweep(1, 10, 10**11),
+        lambda: FrequencySweep(1, 10, 10**400),
+        lambda: FrequencySweep(1, math.inf),
+        lambda: Transient(1.0, 1e-30),
     ],
 )
 def test_impossible_analyses_are_refused(wrong):

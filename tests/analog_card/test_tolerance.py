@@ -233,12 +233,31 @@ def processes_of(session):
     return found
 
 
-def test_a_file_of_something_else_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    "content",
+    [
+        "my notes\n",
+        '{"my": "precious data, one line, no newline"}',
+        '{"study": "cubes',
+        '{"study": "squares"}\n{"trial": 1e400, "figures": {}}\n',
+        '{"study": "squares"}\n' + "[" * 100_000 + "\n",
+    ],
+    ids=["a line", "half a line", "another study", "no number", "deep"],
+)
+def test_a_file_of_something_else_is_refused(tmp_path, content):
     store = tmp_path / "notes.txt"
-    store.write_text("my notes\n")
-    with pytest.raises(InputError, match="not a file of trials"):
+    store.write_text(content)
+    with pytest.raises(InputError, match=r"notes\.txt: not a file of trials .*; name another"):
         run_trials(squares, 3, "squares", store)
-    assert store.read_text() == "my notes\n"
+    assert store.read_text() == content
+
+
+@pytest.mark.parametrize("begun", ["", '{"stu', '{"study": "squares"}'])
+def test_a_study_stopped_in_its_first_line_begins_again(tmp_path, begun):
+    store = tmp_path / "trials.jsonl"
+    store.write_text(begun)
+    assert run_trials(squares, 3, "squares", store) == squares(range(3))
+    assert len(store.read_text().splitlines()) == 1 + 3
 
 
 def test_parallel_is_identical_to_serial(design):
