@@ -125,7 +125,7 @@ def require_apart(outputs: Iterable[str | Path], inputs: Iterable[str | Path]) -
     for path in outputs:
         if Path(path).resolve() in read:
             raise InputError(
-                f"{path}: is read, and nothing that is read is written over; choose another --out"
+                f"{path}: is read, and nothing that is read is written over; choose another name"
             )
 
 

@@ -20,7 +20,8 @@ from analog_card.tolerance_figures import FIGURES
 from analog_card.tolerance_statistics import CONFIDENCE
 from analog_card.tolerance_study import Study, study_card
 
-_REPORT = "tolerance.json"
+REPORT = "tolerance.json"
+"""What a study is written to, in its folder."""
 # Written as they are; the others take prefixes.
 _PLAIN_UNITS = ("1/s2", "1/s", "m/s2", "V s/m", "V s2/m", "degree", "Hz")
 
@@ -96,7 +97,7 @@ def command(
     loop: pneuservo tolerance.
     """
     if out is not None:
-        keep_design(design_file, Path(out) / _REPORT)
+        keep_design(design_file, Path(out) / REPORT)
     with progress(total=trials + netlist_trials) as step:
         study = study_card(
             with_tolerances(load_design(design_file), tolerances),
@@ -138,13 +139,13 @@ def report(study: Study, out: str | None, as_json: bool) -> None:
 
     text = json.dumps(plain_json(study.to_dict()), indent=2)
     if out is not None:
-        write_whole(Path(out) / _REPORT, text + "\n")
+        write_whole(Path(out) / REPORT, text + "\n")
     if as_json:
         click.echo(text)
         return
     _print(study)
     if out is not None:
-        click.echo(f"written: {Path(out) / _REPORT}")
+        click.echo(f"written: {Path(out) / REPORT}")
 
 
 def _print(study: Study) -> None:

@@ -1,8 +1,11 @@
 """``pneuservo tolerance``: what tolerances of the card do to the closed loop."""
 
+from pathlib import Path
+
 import click
 
-from analog_card.command_line.tolerance import parsed_limits, report, study_options
+from analog_card.command_line.options import keep_design
+from analog_card.command_line.tolerance import REPORT, parsed_limits, report, study_options
 from analog_card.command_line.tolerance_options import with_tolerances
 from analog_card.console import Count, progress
 from analog_card.design_file import load_design
@@ -39,6 +42,8 @@ def command(
     limit cycle of every card, worst cases by corners, and which part matters most. Tolerances are
     those of the design file; options replace them.
     """
+    if out is not None:
+        keep_design(design_file, Path(out) / REPORT)
     with progress() as step:
         study = study_loop(
             with_tolerances(load_design(design_file), tolerances),
