@@ -3,8 +3,7 @@
 import numpy as np
 
 from pneuservo.challenge.truth.parameters import Array
-from pneuservo.plant.flow_paths import FLOW_PATHS
-from pneuservo.rigs.valve_tables import load_valve_tables
+from pneuservo.rigs import FLOW_PATHS, load_valve_tables
 
 RATIOS = 1025
 """Pressure ratios of the map, evenly spaced from 0 to 1."""

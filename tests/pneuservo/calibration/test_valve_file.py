@@ -69,7 +69,7 @@ def test_a_missing_valve_file_is_named(tmp_path):
         (lambda path: path["s_a"]["discharge_coefficient"][0].__setitem__(0, "x"), "s_a"),
         (lambda path: path["s_a"]["discharge_coefficient"][0].__setitem__(0, "0.8"), "no number"),
         (lambda path: path["s_a"]["command_volts"].__setitem__(0, True), "command_volts holds"),
-        (lambda path: path["s_a"]["command_volts"].__setitem__(0, 10**400), "s_a"),
+        (lambda path: path["s_a"]["command_volts"].__setitem__(0, 10**400), "64 bits"),
         (
             lambda path: path["s_a"].update(
                 command_volts=[0], pressure_ratio=[[]], discharge_coefficient=[[]]
