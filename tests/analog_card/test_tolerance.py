@@ -238,11 +238,10 @@ def processes_of(session):
     [
         "my notes\n",
         '{"my": "precious data, one line, no newline"}',
-        '{"study": "cubes',
         '{"study": "squares"}\n{"trial": 1e400, "figures": {}}\n',
         '{"study": "squares"}\n' + "[" * 100_000 + "\n",
     ],
-    ids=["a line", "half a line", "another study", "no number", "deep"],
+    ids=["a line", "half a line", "no number", "deep"],
 )
 def test_a_file_of_something_else_is_refused(tmp_path, content):
     store = tmp_path / "notes.txt"
