@@ -82,7 +82,8 @@ def run(
     array([ 0.754,  7.532, 67.826])
     """
     source = _prepared(netlist, parameters, save)
-    elements(source)  # refuses subcircuits that ngspice would open without end
+    # Which refuses subcircuits, too, that ngspice would open without end.
+    _require_possible(source, elements(source), analysis)
     return _asked(SIMULATOR, source, analysis, time_limit, send=True, changes=[], keep=False)
 
 
@@ -136,6 +137,7 @@ class Session:
         self._loaded = False
         self._changes: dict[str, str] = {}
         self._waiting: dict[str, str] = {}
+        self._possible: set[Analysis] = set()
 
     def __enter__(self) -> Self:
         return self
@@ -185,6 +187,10 @@ class Session:
         changed = self._changes | self._waiting
         changes = list((self._waiting if self._loaded else changed).values())
         send, self._loaded, self._waiting = not self._loaded, False, {}
+        # Once, and not in each of thousands of trials.
+        if analysis not in self._possible:
+            _require_possible(self._netlist, self._elements, analysis)
+            self._possible.add(analysis)
         result = _asked(
             self._simulator, self._netlist, analysis, self._time_limit, send, changes, keep=True
         )
@@ -263,10 +269,6 @@ def _asked(
     changes: list[str],
     keep: bool,
 ) -> Waveforms:
-    if isinstance(analysis, SourceSweep):
-        _require_source(source, analysis.source)
-    if analysis.axis is not None:
-        refuse_node(source, analysis.axis)
     lines = [line.text for line in source.lines] if send else None
     try:
         header, found = simulator.ask(lines, analysis.command, time_limit, changes, keep)
@@ -282,9 +284,17 @@ def _asked(
     return Waveforms(source.path, vectors, tuple(header["words"]), analysis.axis)
 
 
-def _require_source(netlist: Netlist, name: str) -> None:
+def _require_possible(netlist: Netlist, known: Iterable[str], analysis: Analysis) -> None:
+    """Refuse an analysis that ngspice would give another meaning in this netlist."""
+    if isinstance(analysis, SourceSweep):
+        _require_source(netlist, known, analysis.source)
+    if analysis.axis is not None:
+        refuse_node(netlist, analysis.axis)
+
+
+def _require_source(netlist: Netlist, known: Iterable[str], name: str) -> None:
     # ngspice would sweep a resistor or the temperature too, which is neither volts nor amperes.
-    sources = [path for path in elements(netlist) if path[0] in "vi" and "." not in path]
+    sources = [path for path in known if path[0] in "vi" and "." not in path]
     if name.lower() not in sources:
         raise InputError(
             f"{netlist.path}: no voltage or current source {name!r} to sweep"

@@ -16,6 +16,8 @@ Figures = dict[str, Any]
 Trial = Callable[[Sequence[int]], Iterable[Figures]]
 
 # Trials that a process takes at a time: enough to make its start cheap, few enough to lose little.
+# How every file of trials begins.
+_BEGINNING = b'{"study": '
 _CHUNK = 10
 
 
@@ -34,6 +36,11 @@ def single_threaded() -> Iterator[None]:
         yield
 
 
+def _require_figures(where: str, figures: Any) -> None:
+    if not isinstance(figures, dict):
+        raise InputError(f"{where}: not a file of trials (no figures by name); name another")
+
+
 def run_trials(
     trial: Trial,
     count: int,
@@ -43,6 +50,7 @@ def run_trials(
     step: Callable[[str], None] = lambda what: None,
     pool: Executor | None = None,
     chunk: int = _CHUNK,
+    require_whole: Callable[[str, Any], None] = _require_figures,
 ) -> list[Figures]:
     """Return the figures of every trial of a study, in order.
 
@@ -66,6 +74,8 @@ def run_trials(
         Runs the trials in place of processes of this computer.
     chunk : int, optional
         Trials that a process takes at a time.
+    require_whole : callable, optional
+        Takes file and line, and what was kept there; raises when these are not all the figures.
 
     Returns
     -------
@@ -75,7 +85,7 @@ def run_trials(
     Raises
     ------
     InputError
-        When the file is of another study, or a number is out of range.
+        When the file is of another study or holds a damaged trial, or a number is out of range.
 
     Examples
     --------
@@ -84,18 +94,18 @@ def run_trials(
     """
     if count < 1 or jobs < 1:
         raise InputError(f"{count} trials in {jobs} processes; at least one of each is needed")
-    done = _read(Path(store), study) if store is not None else {}
+    done = _read(Path(store), study, require_whole) if store is not None else {}
     left = [index for index in range(count) if index not in done]
     chunks = [left[k : k + chunk] for k in range(0, len(left), chunk)]
 
     def keep(index: int, figures: Figures) -> None:
         done[index] = figures
         if store is not None:
-            _append(Path(store), json.dumps({"trial": index, "figures": figures}) + "\n")
+            _append(Path(store), {"trial": index, "figures": figures})
         step(f"trial {index}")
 
     if store is not None and not Path(store).exists():
-        _append(Path(store), _first_line(study))
+        _append(Path(store), {"study": study})
     if pool is not None:
         _share_out(pool, trial, chunks, keep)
     elif jobs == 1 or len(chunks) < 2:
@@ -127,22 +137,15 @@ def _collected(trial: Trial, chunk: Sequence[int]) -> list[Figures]:
         return list(trial(chunk))
 
 
-_BEGINNING = b'{"study": '
-
-
-def _first_line(study: str) -> str:
-    return json.dumps({"study": study}) + "\n"
-
-
-def _append(path: Path, line: str) -> None:
+def _append(path: Path, line: dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as stream:
-        stream.write(line)
+        stream.write(json.dumps(line) + "\n")
         stream.flush()
         os.fsync(stream.fileno())
 
 
-def _read(path: Path, study: str) -> dict[int, Figures]:
+def _read(path: Path, study: str, require_whole: Callable[[str, Any], None]) -> dict[int, Figures]:
     """Return the trials in a file; a line that was cut short by a stop is taken off it."""
     if not path.exists():
         return {}
@@ -153,7 +156,7 @@ def _read(path: Path, study: str) -> dict[int, Figures]:
         raise InputError(f"{path}: not a file of trials (no whole line); name another")
     try:
         lines = [json.loads(line) for line in whole.decode().splitlines()]
-        found = {int(line["trial"]): dict(line["figures"]) for line in lines[1:]}
+        kept = [(int(line["trial"]), line["figures"]) for line in lines[1:]]
         of_study = lines[0]["study"] if lines else study
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as problem:
         raise InputError(f"{path}: not a file of trials ({problem}); name another") from problem
@@ -162,9 +165,11 @@ def _read(path: Path, study: str) -> dict[int, Figures]:
             f"{path}: holds the trials of another study (other design, tolerances or seed); "
             "name another file, or delete it"
         )
+    for number, (_, figures) in enumerate(kept, start=2):
+        require_whole(f"{path}: line {number}", figures)
     if len(whole) < len(content):
         with path.open("r+b") as stream:
             stream.truncate(len(whole))
     if not lines:
         path.unlink()
-    return found
+    return dict(kept)

@@ -1,12 +1,11 @@
 """Samples thinned out to what a picture can show."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from pneuservo.arrays import Array
 
 
-def thinned(
-    x: NDArray[np.float64], y: NDArray[np.float64], most: int = 1500
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def thinned(x: Array, y: Array, most: int = 1500) -> tuple[Array, Array]:
     """Return a curve with few points that looks the same: lowest and highest of each stretch.
 
     Parameters

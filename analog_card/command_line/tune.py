@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import click
 
-from analog_card.command_line.options import DESIGN, JSON, examples, table
+from analog_card.command_line.options import DESIGN, JSON, examples, keep_design, table
 from analog_card.console import Quantity
 from analog_card.design_file import design_to_toml, load_design
 from analog_card.errors import InputError
-from analog_card.files import require_apart, write_whole
+from analog_card.files import write_whole
 from analog_card.plain_json import plain_json
 from analog_card.quantities import as_text
 from analog_card.reach import sensitivities
@@ -83,8 +83,7 @@ def command(
     new settings follows the table.
     """
     given = {name: value for name, value in goals.items() if value is not None}
-    if out is not None:
-        require_apart([out], [design_file] if design_file is not None else [])
+    keep_design(design_file, out)
     if turned_file is not None:
         _refuse({"settling_time": settling_time, "design": design_file, "out": out, **given})
         design = with_transducer_gain(load_design(turned_file), transducer_scale)

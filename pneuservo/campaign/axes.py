@@ -176,7 +176,7 @@ def _random(varied: Varied, distribution: str, texts: Sequence[str], what: str) 
     if distribution == "normal":
         possible, needed = second > 0, "a standard deviation greater than 0"
     elif distribution == "uniform":
-        possible = first < second < math.inf and math.isfinite(second - first)
+        possible = first < second and math.isfinite(second - first)
         needed = "the lower value first, and a finite number between them"
     else:
         possible, needed = 0 < first < second, "two values greater than 0, the lower first"

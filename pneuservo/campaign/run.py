@@ -1,6 +1,5 @@
 """Running a campaign: in processes or on a cluster, kept as it comes, going on after a stop."""
 
-import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -97,19 +96,16 @@ def run_campaign(
     True
     """
     count = len(campaign)
-    study = f"campaign {identity(campaign)}"
-    store = None if folder is None else Path(folder) / SAMPLES
-    if store is not None and store.exists():
-        _require_whole(store, study, campaign)
     samples = run_trials(
         partial(run_samples, campaign),
         count,
-        study,
-        store,
+        f"campaign {identity(campaign)}",
+        None if folder is None else Path(folder) / SAMPLES,
         jobs,
         step,
         pool,
         max(1, min(count // (max(jobs, 1) * _SHARES), _LARGEST_SHARE)),
+        partial(_require_whole, campaign),
     )
     if all(sample["error"] is not None for sample in samples):
         raise InputError(
@@ -118,31 +114,15 @@ def run_campaign(
     return Outcome(campaign, samples)
 
 
-def _require_whole(store: Path, study: str, campaign: Campaign) -> None:
-    """Refuse samples that were kept and are not what the campaign gives, before it goes on.
-
-    Lines that are cut short, and files that hold something else, are dealt with where they are
-    read.
-    """
-    head, *kept = map(_entry, store.read_bytes().splitlines() or [b""])
-    if head.get("study") != study:
-        return
-    for number, entry in enumerate(kept, start=2):
-        if "figures" in entry and not _whole(entry["figures"], campaign):
-            raise InputError(
-                f"{store}: line {number} is no whole sample of this campaign; it needs values of "
-                f"{', '.join(axis.name for axis in campaign.axes)}, the metrics "
-                f"{', '.join(campaign.metrics)}, and error. Delete the line, and the sample is "
-                "simulated again"
-            )
-
-
-def _entry(line: bytes) -> dict[str, Any]:
-    try:
-        entry = json.loads(line)
-    except ValueError:
-        return {}
-    return entry if isinstance(entry, dict) else {}
+def _require_whole(campaign: Campaign, where: str, figures: Any) -> None:
+    """Refuse a sample that was kept and is not what the campaign gives."""
+    if not _whole(figures, campaign):
+        raise InputError(
+            f"{where} is no whole sample of this campaign; it needs values of "
+            f"{', '.join(axis.name for axis in campaign.axes)}, the metrics "
+            f"{', '.join(campaign.metrics)}, and error. Delete the line, and the sample is "
+            "simulated again"
+        )
 
 
 def _whole(figures: Any, campaign: Campaign) -> bool:

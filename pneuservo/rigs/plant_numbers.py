@@ -4,9 +4,7 @@ import math
 from collections.abc import Mapping
 from functools import lru_cache
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.plant.dead_volume import DeadVolume
 from pneuservo.plant.gas import Gas, ideal_gas
@@ -99,7 +97,7 @@ def dead_volume(rig: Rig) -> DeadVolume:
     )
 
 
-def valve_grid(valve: str) -> NDArray[np.float64]:
+def valve_grid(valve: str) -> Array:
     """Return the discharge coefficients of a valve on the kernels' grid.
 
     Parameters
@@ -116,7 +114,7 @@ def valve_grid(valve: str) -> NDArray[np.float64]:
 
 
 @lru_cache(VALVES_KEPT)
-def _grid(valve: str, content: bytes) -> NDArray[np.float64]:
+def _grid(valve: str, content: bytes) -> Array:
     return discharge_grid(load_valve_tables(valve))
 
 

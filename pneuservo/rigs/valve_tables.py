@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.toml_file import read_toml
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.plant.flow_paths import FLOW_PATHS, FlowPathTable
 
@@ -113,7 +113,7 @@ def _table(table: Any, where: str) -> FlowPathTable:
     return FlowPathTable(command, ratio, coefficient)
 
 
-def _numbers(value: Any, name: str) -> NDArray[np.float64]:
+def _numbers(value: Any, name: str) -> Array:
     # Taken as it is, true would be 1, and a text what it reads as.
     if not _only_numbers(value):
         raise ValueError(f"{name} holds what is no number")
