@@ -12,6 +12,8 @@ class LeakageEffects(NamedTuple):
 
     cross_conductance: float = 0.0
     """Narrow gap past the piston seal [kg/(s Pa^2)]."""
+    cross_back_flow: float = 1.0
+    """What of it is open to air that flows from chamber b to a, where a lip seals [-]."""
     chamber_a_area: float = 0.0
     """Effective area of a leak from chamber a to the outside [m^2]."""
     chamber_a_laminar: float = 0.0
@@ -59,11 +61,13 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
 
     Notes
     -----
-    Compressible laminar gap, q = G (pa^2 - pb^2) (Richer and Hurmuzlu 2000); a worn zone adds a
-    bell-shaped G(x) to that of the rest, a seal lifted by its film adds G in proportion to the
+    Compressible laminar gap, q = G (pa^2 - pb^2) (Richer and Hurmuzlu 2000); a lip that is pressed
+    on by one of the pressures and lifted by the other has another G the other way; a worn zone adds
+    a bell-shaped G(x) to that of the rest, a seal lifted by its film adds G in proportion to the
     speed to that at rest.
     """
-    conductance = effects.cross_conductance + effects.unworn_conductance
+    lip = 1.0 if pressure_a >= pressure_b else effects.cross_back_flow
+    conductance = lip * effects.cross_conductance + effects.unworn_conductance
     conductance += effects.lifted_conductance + effects.moving_conductance * abs(velocity)
     if effects.worn_conductance > 0.0:
         away = (displacement / stroke - effects.worn_centre) / effects.worn_width

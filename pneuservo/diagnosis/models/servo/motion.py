@@ -1,9 +1,11 @@
 """The motion behind a noisy displacement: where the piston is, and when it moves which way."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pneuservo.arrays import Array, Mask, bridged
 from pneuservo.diagnosis.models.servo.rests import (
@@ -15,11 +17,11 @@ from pneuservo.diagnosis.models.servo.rests import (
     rests_at_first_sight,
     settled,
 )
-from pneuservo.diagnosis.models.servo.smoother import GLIDING, smooth
+from pneuservo.diagnosis.models.servo.smoother import FASTEST_CREEP, GLIDING, smooth
 from pneuservo.diagnosis.models.servo.turning import mean_direction
 
-Way = tuple[float, float]
-"""How a piston comes to rest, one of `RESTS`."""
+Way = tuple[Array, Array]
+"""How a piston comes to rest and creeps there, two of the numbers in `RESTS` at each sample."""
 
 FORCE_CHANGES = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """Accelerations by which an unmodelled force, friction above all, may jump [m/s^2]; the one that
@@ -34,11 +36,16 @@ RESTS = (
     (1e-5, 0.12),
 )
 """A piston at rest glides to a stop, or creeps at such a speed [m/s] while that at which it came
-fades within such a time [s], as loops bring it to a set point; again the likeliest."""
-SLOWEST_MOTION = 5e-4
-"""The velocity of a moving piston is never taken to be known better than this [m/s]."""
+fades within such a time [s], as loops bring it to a set point; the likeliest for each rest."""
+CREEPS = (*RESTS, (FASTEST_CREEP, 0.12), (FASTEST_CREEP, 0.5))
+"""The same, and as a chamber that leaks lets it go: what creeps so fast would pass for rest where
+it moves, and is not looked for before it is known where it rests. (A leaking rod seal let a piston
+creep by 70 um/s; taken to rest as after the stops, it crept by 45, and a quarter of the leak was
+missed.)"""
 _PASSES = 2
 """So many times at most a motion is smoothed again with the friction that it tells itself."""
+SLOWEST_MOTION = 5e-4
+"""The velocity of a moving piston is never taken to be known better than this [m/s]."""
 EDGE = 5e-3
 """When a piston comes to rest and breaks away is known to about this [s]."""
 
@@ -96,6 +103,8 @@ def smooth_motion(
     interval = float(np.median(np.diff(time)))
     chatter = chatters(known, driving_rms, friction, math.sqrt(variance), interval)
     rest, way = _where_it_rests(filtered, chatter, interval)
+    if rest.any():
+        way = filtered.likeliest_way(rest, filtered.likeliest_change(rest, way), CREEPS)
     # While it rests, nothing jumps: how much does otherwise shows now.
     change = filtered.likeliest_change(rest, way)
     states, variances, _ = filtered.passed(rest, change, way, back=True)
@@ -129,7 +138,7 @@ class _Filter:
     given: Array
 
     def passed(
-        self, rest: Mask, change: float, way: Way = RESTS[0], back: bool = False
+        self, rest: Mask, change: float, way: Way, back: bool = False
     ) -> tuple[Array, Array, Array]:
         """Return states, variances of the velocity, and how likely each reading is."""
         found: tuple[Array, Array, Array] = smooth(
@@ -152,38 +161,51 @@ class _Filter:
         direction = mean_direction(velocity, max(velocity_rms, SLOWEST_MOTION))
         return replace(self, given=-self.friction * np.roll(direction, 1))
 
-    def likelihood(self, rest: Mask, change: float, way: Way = RESTS[0]) -> float:
+    def likelihood(self, rest: Mask, change: float, way: Way) -> float:
         return float(np.sum(self.passed(rest, change, way)[2]))
 
-    def likeliest_way(self, rest: Mask, change: float) -> Way:
-        return max(RESTS, key=lambda way: self.likelihood(rest, change, way))
+    def likeliest_way(
+        self, rest: Mask, change: float, ways: Sequence[tuple[float, float]] = RESTS
+    ) -> Way:
+        """Return the likeliest way to come to each rest."""
+        each = _rest_of_each(rest)
+        likely = [
+            np.bincount(each, self.passed(rest, change, self.throughout(*way))[2]) for way in ways
+        ]
+        creep, fades = np.array(ways)[np.argmax(likely, axis=0)[each]].T
+        return np.ascontiguousarray(creep), np.ascontiguousarray(fades)
 
-    def likeliest_change(self, rest: Mask, way: Way = RESTS[0]) -> float:
+    def likeliest_change(self, rest: Mask, way: Way) -> float:
         return max(FORCE_CHANGES, key=lambda change: self.likelihood(rest, change, way))
+
+    def throughout(self, creep: float, fades: float) -> Way:
+        """Return one way to come to every rest."""
+        return np.full_like(self.time, creep), np.full_like(self.time, fades)
 
 
 def _where_it_rests(filtered: _Filter, chatter: Mask, interval: float) -> tuple[Mask, Way]:
     """Return where a piston rests and how it comes to rest, or nowhere, as is likeliest."""
     time, measured, variance = filtered.time, filtered.measured, filtered.variance
     nowhere, everywhere = np.zeros(len(time), dtype=np.bool_), np.ones(len(time), dtype=np.bool_)
-    change = filtered.likeliest_change(nowhere)
+    glides = filtered.throughout(*RESTS[0])
+    change = filtered.likeliest_change(nowhere, glides)
 
     def likely(rest: Mask) -> Likely:
         way = filtered.likeliest_way(rest, change)
         return lambda close: filtered.passed(close, change, way)[2]
 
-    moving = filtered.passed(nowhere, change)[2]
-    at_rest = filtered.passed(everywhere, change)[2]
+    moving = filtered.passed(nowhere, change, glides)[2]
+    at_rest = filtered.passed(everywhere, change, glides)[2]
     long = rests_at_first_sight(at_rest - moving, chatter, interval)
     closed = bridged(time, measured)
     short, still = (
         keeps_its_place(closed, variance, moving, chatter, interval, over)
         for over in (SHORT_REST, REST_TIME)
     )
-    best, most = (nowhere, RESTS[0]), float(np.sum(moving))
+    best, most = (nowhere, glides), float(np.sum(moving))
     # One that glides along slowly looks at rest, too: where it keeps its place, it does not glide.
     for tried in (long, long | short, still):
-        if tried.any() and (tried is not still or best[1] == RESTS[0]):
+        if tried.any() and (tried is not still or _glides(*best)):
             rest = settled(tried, likely, interval)
             way = filtered.likeliest_way(rest, change)
             # Where each begins and ends was chosen too (Schwarz 1978).
@@ -192,6 +214,26 @@ def _where_it_rests(filtered: _Filter, chatter: Mask, interval: float) -> tuple[
             if worth > most:
                 best, most = (rest, way), worth
     return best
+
+
+def _glides(rest: Mask, way: Way) -> bool:
+    """Return whether a piston glides to any rest, or to none."""
+    creep, _ = way
+    return not rest.any() or bool(np.any(creep[rest] == GLIDING))
+
+
+def _rest_of_each(rest: Mask) -> NDArray[np.int_]:
+    """Return to which rest each sample belongs: to the nearest one.
+
+    Examples
+    --------
+    >>> _rest_of_each(np.array([False, True, True, False, False, False, True, False])).tolist()
+    [0, 0, 0, 0, 1, 1, 1, 1]
+    """
+    edges = np.flatnonzero(np.diff(rest, prepend=False, append=False))
+    begins, ends = edges[::2], edges[1::2]
+    halfway = (ends[:-1] + begins[1:]) // 2
+    return np.searchsorted(halfway, np.arange(len(rest)), side="right")
 
 
 def _typical(variances: Array, rest: Mask) -> float:

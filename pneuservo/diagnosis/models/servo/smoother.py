@@ -16,6 +16,8 @@ UNEVEN_FADING = 0.3
 """Share of the speed at which a piston comes to rest by which it fades unevenly."""
 GLIDING = 0.0
 """Speed of creep that stands for a piston that comes to rest."""
+FASTEST_CREEP = 1e-4
+"""A piston that rests creeps no faster, nor does one that rests when the recording begins [m/s]."""
 
 
 @compiled_lean
@@ -110,9 +112,9 @@ def smooth(
         By which an unmodelled acceleration may jump while the piston moves [m/s^2].
     rest : (n,) array of bool
         While the piston rests.
-    creep : float
+    creep : (n,) array
         Speed at which it creeps then, or `GLIDING` [m/s].
-    fades : float
+    fades : (n,) array
         Time within which the speed of a piston that creeps fades [s].
     friction : float
         Acceleration that the Coulomb friction takes [m/s^2].
@@ -136,13 +138,14 @@ def smooth(
     spread_predicted, spread_filtered = np.zeros((kept, 4, 4)), np.zeros((kept, 4, 4))
     state, likelihood, came = np.zeros(4), np.zeros(n), 0.0
     wandering = LIKELY_WANDER**2 * variance
-    spread, row = np.diag(np.array([1e-4, 1.0, 1e4, wandering])), np.zeros(4)
+    fastest = FASTEST_CREEP if rest[0] else 1.0
+    spread, row = np.diag(np.array([1e-4, fastest**2, 1e4, wandering])), np.zeros(4)
     step, moved, half = np.zeros((4, 4)), np.zeros(4), np.zeros((4, 4))
     for k in range(n):
         if k:
             h = time[k] - time[k - 1]
-            creeps = rest[k] and creep > GLIDING
-            _write_transition(step, h, creeps, fades)
+            creeps = rest[k] and creep[k] > GLIDING
+            _write_transition(step, h, creeps, fades[k])
             if rest[k] != rest[k - 1]:
                 # Moving, it is what friction takes of the driving force; at rest, all there is.
                 spread[2, 2] += (friction + abs(driving[k])) ** 2
@@ -150,9 +153,9 @@ def smooth(
             _carry(state, spread, step, moved, half)
             if creeps:
                 came *= step[1, 1]
-                uneven = creep * creep + (UNEVEN_FADING * came) ** 2
+                uneven = creep[k] ** 2 + (UNEVEN_FADING * came) ** 2
                 spread[1, 1] += uneven * (1.0 - step[1, 1] ** 2)
-                spread[2, 2] += uneven / fades**2
+                spread[2, 2] += uneven / fades[k] ** 2
             elif rest[k]:
                 _spread_out(spread, h, 0.0, REST_CHANGE)
             else:
@@ -182,8 +185,8 @@ def smooth(
         return filtered, velocity_variance, likelihood
     velocity_variance[n - 1] = spread_filtered[n - 1, 1, 1]
     for k in range(n - 2, -1, -1):
-        creeps = rest[k + 1] and creep > GLIDING
-        _write_transition(step, time[k + 1] - time[k], creeps, fades)
+        creeps = rest[k + 1] and creep[k + 1] > GLIDING
+        _write_transition(step, time[k + 1] - time[k], creeps, fades[k + 1])
         share = spread_filtered[k] @ step.T @ np.linalg.inv(spread_predicted[k + 1])
         put(filtered[k] + share @ (filtered[k + 1] - predicted[k + 1]), filtered[k])
         gained = share @ (spread_filtered[k + 1] - spread_predicted[k + 1]) @ share.T
