@@ -148,6 +148,9 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
     left = _within(left, farthest)
+    at_stop = fed.resting != 0
+    place = FOLLOWED.index("displacement")
+    left[place, at_stop] = beyond_wander(fed.time, np.where(at_stop, left[place], np.nan))[at_stop]
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
