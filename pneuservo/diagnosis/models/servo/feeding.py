@@ -13,6 +13,7 @@ from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION
 from pneuservo.diagnosis.models.servo.moved import moved_by, with_spread
 from pneuservo.diagnosis.models.servo.noisy_command import made_of_noise
 from pneuservo.diagnosis.models.servo.set_point import at_its_limit, at_once, gain_of_set_point
+from pneuservo.diagnosis.models.servo.supply import smoothed_supply
 from pneuservo.noise import noise_level
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -61,6 +62,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         force_rms = recording.noise_rms.get("force") or noise_level(force, time)
     nowhere = np.full_like(time, np.nan)
     pressures = _pressures(recording, rig, float(force[0]))
+    supply = recording.channels.get(SUPPLY, np.empty(0))
     loads = [rig[f"piston.area_{name[-1]}"] * noise.get(name, 0.0) for name in PRESSURES]
     spread_of_force = math.hypot(*loads, force_rms)
     fed = Feed(
@@ -77,8 +79,8 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         measured=tuple(name in recording for name in PRESSURES),
         read=np.array([np.isfinite(recording.channels.get(n, nowhere)) for n in PRESSURES]),
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
-        supply=_supply(recording, interval),
-        supply_reading=recording.channels.get(SUPPLY, np.empty(0)),
+        supply=smoothed_supply(time, supply, noise[SUPPLY]) if len(supply) else None,
+        supply_reading=supply,
         spool_reading=recording.channels.get("spool", np.empty(0)),
         force=force,
         force_rms=force_rms,
@@ -129,13 +131,3 @@ def _rate(samples: Array, interval: float) -> Array:
 
     window = max(5, 2 * round(PRESSURE_SMOOTHING / interval) + 1)
     return np.asarray(savgol_filter(samples, min(window, len(samples) | 1), 2, 1, interval))
-
-
-def _supply(recording: Recording, interval: float) -> Array | None:
-    from scipy.ndimage import uniform_filter1d
-
-    if SUPPLY not in recording:
-        return None
-    width = max(1, round(PRESSURE_SMOOTHING / interval))
-    closed = bridged(recording.time, recording[SUPPLY])
-    return np.asarray(uniform_filter1d(closed, width, mode="nearest"))

@@ -13,12 +13,57 @@ from pneuservo.plant.servo.supply_effects import (
 )
 from pneuservo.plant.single_axis import SingleAxis
 
+SMOOTHING = (3e-3, 1e-2, 3e-2, 0.1, 0.3)
+"""Times over which a measured supply pressure may be averaged [s]."""
 _FINER = 4
 _FEWEST_SWINGS = 3.0
 _BESIDE = 40
 """So many lines are beside one."""
 _HALVINGS = 40
 """Of the bracket of the pressure after a step: to a billionth of a bar."""
+
+
+def smoothed_supply(time: Array, reading: Array, noise: float) -> Array:
+    """Return a measured supply pressure without most of its noise.
+
+    Parameters
+    ----------
+    time, reading : (n,) array
+        [s], [Pa]; NaN where there is no reading.
+    noise : float
+        Of the reading [Pa].
+
+    Notes
+    -----
+    Averaged over that of the times `SMOOTHING` whose means tell the sample in their middle best by
+    the others (leave-one-out cross-validation, Stone 1974), or not at all where the reading itself
+    is better. A chamber that is open to the supply follows it: with means over 3 ms, what they left
+    of the noise made a laminar tail of the valve, which gained 84 and 96 in recordings without any.
+
+    Examples
+    --------
+    A steady pressure is averaged for long, a dip is not smeared:
+
+    >>> t = np.arange(2000) * 1e-3
+    >>> noise = 300.0 * np.random.default_rng(1).standard_normal(2000)
+    >>> round(float(np.std(smoothed_supply(t, 6e5 + noise, 300.0))) / 300.0, 1)
+    0.1
+    >>> dip = -2e4 * np.exp(-(((t - 1.0) / 0.02) ** 2))
+    >>> round(float(np.min(smoothed_supply(t, 6e5 + dip + noise, 300.0))), -3)
+    580000.0
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    closed, interval = bridged(time, reading), float(np.median(np.diff(time)))
+    # What a reading tells of the pressure, and of another reading, whose noise is its own.
+    best, least = closed, 2.0 * noise**2
+    for over in SMOOTHING:
+        width = 2 * max(1, round(0.5 * over / interval)) + 1
+        mean = uniform_filter1d(closed, width, mode="nearest")
+        missed = float(np.mean((closed - mean) ** 2)) / (1.0 - 1.0 / width) ** 2
+        if missed < least:
+            best, least = np.asarray(mean), missed
+    return best
 
 
 def expected_supply(
