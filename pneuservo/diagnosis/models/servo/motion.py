@@ -48,6 +48,10 @@ SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
 EDGE = 5e-3
 """When a piston comes to rest and breaks away is known to about this [s]."""
+STICK_SLIP = 0.5
+"""Share of the speed at which a piston comes to rest, or creeps, by which that may be off: it
+sticks and slips by less than its displacement tells. (In 24 recordings without any effect the
+innovations are likelier by 1,900 in all, none less likely by more than 25.)"""
 
 
 def smooth_motion(
@@ -121,7 +125,8 @@ def smooth_motion(
     # Where a rest begins and ends, the velocity is known as well as the moment.
     unsure = _change(states[:, 1], interval) if rest.any() else 0.0
     at_rest = np.clip(variances + unsure**2, 0.0, None)
-    velocity_rms = np.sqrt(np.where(rest, at_rest, typical))
+    at_rest = np.hypot(np.sqrt(at_rest), STICK_SLIP * np.abs(states[:, 1]))
+    velocity_rms = np.where(rest, at_rest, np.sqrt(typical))
     return states[:, 0] + states[:, 3] + start, states[:, 1], acceleration, velocity_rms, rest
 
 
