@@ -28,7 +28,8 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     Raises
     ------
     OSError
-        When the folder cannot be written to, or the path is that of a folder.
+        When the folder cannot be written to, or the path is that of a folder or of a link that
+        leads back to itself.
 
     Examples
     --------
@@ -40,7 +41,9 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     data = content.encode("utf-8") if isinstance(content, str) else content
-    target = path.resolve()
+    target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise OSError(errno.ELOOP, "is a link that leads back to itself; remove it", str(path))
     if target.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder; name a file in it", str(path))
     if target.exists() and not target.is_file():

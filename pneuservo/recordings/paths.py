@@ -1,5 +1,6 @@
 """Files that a sidecar points to: only beside the recording, never elsewhere."""
 
+import os
 from pathlib import Path
 
 from pneuservo.errors import InputError
@@ -27,10 +28,10 @@ def inside_folder(text: str, folder: Path, where: str) -> Path:
     InputError
         When the path is absolute, leaves the folder (links included), or is not a file.
     """
-    folder = folder.resolve()
+    folder = Path(os.path.realpath(folder))
     if "\0" in text:
         raise InputError(f"{where}: {text!r} is not a path; name a file in {folder}")
-    target = (folder / text).resolve()
+    target = Path(os.path.realpath(folder / text))
     if Path(text).is_absolute() or not target.is_relative_to(folder):
         raise InputError(
             f"{where}: {text!r} leaves the recording's folder {folder}; "

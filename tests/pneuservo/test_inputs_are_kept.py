@@ -84,6 +84,16 @@ def test_a_link_is_followed_and_a_pipe_stays_one(tmp_path):
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
+def test_a_link_that_leads_back_to_itself_is_refused(tmp_path):
+    ring = tmp_path / "ring.csv"
+    ring.symlink_to(ring)
+    words = ["simulate", "--controller", "proportional", "--demand", "15 mm", "--out", str(ring)]
+    outcome = CliRunner().invoke(main, words)
+    assert outcome.exit_code == 2, outcome.output
+    assert "leads back to itself" in outcome.output
+    assert ring.is_symlink()
+
+
 def test_a_sidecar_that_is_no_file_is_refused(tmp_path):
     (tmp_path / "a.csv").write_text("time,displacement\n" + "".join(f"{i},0\n" for i in range(20)))
     os.mkfifo(tmp_path / "a.toml")

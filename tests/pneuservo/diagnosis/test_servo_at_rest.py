@@ -77,6 +77,24 @@ def test_a_piston_that_was_moved_slowly_by_a_little_rests_before_and_after():
     assert np.max(velocity_rms[before]) < 1e-4
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("creep", [7e-5, 1.4e-4])
+def test_a_piston_creeps_to_each_rest_in_its_own_way(creep, seed):
+    # Still at two stops, and let go by a leak between them: in the stops' way it crept too slowly,
+    # and its transducer's zero was taken to wander with it.
+    time, rng, noise = np.arange(0.0, 6.0, 1e-3), np.random.default_rng(seed), 8e-6
+    creeping = slice(2200, 3800)
+    knots = [0.0, 1.5, 2.0, 4.0, 4.3, 6.0]
+    reading = np.interp(time, knots, [0.03, 0.03, 0.0145, 0.0145 + 2.0 * creep, 0.03, 0.03])
+    reading += noise * (rng.standard_normal(len(time)) + wander(time, rng))
+    driving = np.where(time < 2.0, 0.0, 0.5) + 0.2 * rng.standard_normal(len(time))
+    _, velocity, _, velocity_rms, rest = smooth_motion(time, reading, noise, driving, 0.2, 1.3)
+    assert rest[creeping].all()
+    assert np.mean(velocity[creeping]) == pytest.approx(creep, rel=0.05)
+    assert np.std(velocity[200:1400]) < 1e-5
+    assert np.median(velocity_rms[200:1400]) < 2e-5
+
+
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(
     ("demand", "stuck", "left"),

@@ -8,6 +8,7 @@ import pytest
 from servo_recordings import NOISE, noisy, recorded
 
 from pneuservo.controllers import DT2812A, DigitalSlidingMode, Proportional, SlidingMode
+from pneuservo.diagnosis.fit import explained
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_followed, likeliest_held_back
 from pneuservo.diagnosis.hypothesis import Hypothesis
@@ -21,6 +22,7 @@ from pneuservo.diagnosis.readings import (
     ranked_readings,
 )
 from pneuservo.effects.supply import RIPPLE
+from pneuservo.noise import wander
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import simulate
 
@@ -76,12 +78,29 @@ def test_a_piston_pressed_on_a_stop_tells_the_zero_of_its_transducer(rig):
     model = ServoModel()
     cases = model.cases(pressed(rig, 1e-4), rig)
     fed = cases[0].inputs["feed"]
-    assert np.mean(fed.resting == -1) > 0.2
-    assert np.mean(fed.resting == 1) > 0.2
-    for values, mean in (({}, 1e-4), ({"sensor.position-offset:offset": 1e-4}, 0.0)):
-        left = by_channel(model, cases, values)["displacement"] * cases[0].scale
-        for side in (-1, 1):
-            assert np.mean(left[fed.resting == side]) == pytest.approx(mean, abs=3e-6)
+    left, beside = (
+        by_channel(model, cases, values)["displacement"]
+        for values in ({}, {"sensor.position-offset:offset": 1e-4})
+    )
+    for side in (-1, 1):
+        there = fed.resting == side
+        assert np.mean(there) > 0.2
+        # It shows when the piston arrives, and is then taken for a zero that wanders.
+        arrived = np.flatnonzero(there & ~np.roll(there, 1))[1]
+        assert np.mean(left[arrived : arrived + 10]) > 3.0
+        assert np.sum(left[there] ** 2) > np.sum(beside[there] ** 2) + 200.0
+        assert np.std(beside[there]) == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_zero_that_wanders_at_a_stop_is_no_offset(seed, rig):
+    # Half a noise for a second at the one stop, and the other way at the other.
+    model, rng = ServoModel(), np.random.default_rng(seed)
+    recording = pressed(rig, NOISE["displacement"] * wander(TIME, rng))
+    cases = model.cases(recording, rig)
+    baseline = fit(model, cases, Hypothesis())
+    offset = fit(model, cases, Hypothesis().adding("sensor.position-offset"), near=baseline)
+    assert explained(baseline, offset) < 25.0
 
 
 def test_pressures_count_while_the_piston_rests_at_a_stop(rig):
