@@ -96,7 +96,8 @@ def test_where_a_stop_is_that_was_never_reached_says_nothing_against_a_name():
 
     used = _prepare(model, recorded(true, Proportional(), 1), given)
     found, kept_out = fit(model, used, Hypothesis()), HeldBack(model, pressed(2), used)
-    assert missed(kept_out, found) > 10.0
+    # At every arrival; then it is taken for a zero that wanders.
+    assert missed(kept_out, found) > 4.0
     assert missed(kept_out.read_with(found), found) < 1.25
     # Recordings that have told it, too, have to be right.
     told = [*used, *pressed(3)]

@@ -62,8 +62,8 @@ def test_a_command_that_keeps_moving_makes_rest_unsure(rig):
 @pytest.mark.parametrize("seed", [2, 3])
 def test_what_a_piston_at_rest_does_unseen_does_not_tell_how_a_command_is_read(rig, seed):
     # It rings on the asperities of its seals by less than its transducer tells.
-    given = rig.with_values({"load.mass": 7.2, "piston.coulomb_friction": 1.8})
-    elastic = given.with_values({"friction.presliding:travel": 1e-5})
+    given = rig.with_values({"load.mass": 7.2, "piston.coulomb_friction": 3.0})
+    elastic = given.with_values({"friction.presliding:travel": 4e-5})
     rng = np.random.default_rng(seed)
     kicks = np.where(TIME % 0.5 < 0.02, 3.0, 0.0) * np.where(TIME % 1.0 < 0.5, 1.0, -1.0)
     command = kicks + 0.02 * rng.standard_normal(len(TIME))

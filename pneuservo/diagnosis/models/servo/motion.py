@@ -48,10 +48,10 @@ SLOWEST_MOTION = 5e-4
 """The velocity of a moving piston is never taken to be known better than this [m/s]."""
 EDGE = 5e-3
 """When a piston comes to rest and breaks away is known to about this [s]."""
-STICK_SLIP = 0.5
+STICK_SLIP = 0.2
 """Share of the speed at which a piston comes to rest, or creeps, by which that may be off: it
-sticks and slips by less than its displacement tells. (In 24 recordings without any effect the
-innovations are likelier by 1,900 in all, none less likely by more than 25.)"""
+sticks and slips by less than its displacement tells. (Of 24 recordings without any effect it makes
+the innovations likelier by 720 in all; with half of the speed a play is not recovered any more.)"""
 
 
 def smooth_motion(

@@ -148,9 +148,11 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
     left = _within(left, farthest)
-    at_stop = fed.resting != 0
-    place = FOLLOWED.index("displacement")
-    left[place, at_stop] = beyond_wander(fed.time, np.where(at_stop, left[place], np.nan))[at_stop]
+    place = left[FOLLOWED.index("displacement")]
+    for side in (-1, 1):
+        # One stop that is not where it should be says nothing of the other.
+        there = fed.resting == side
+        place[there] = beyond_wander(fed.time, np.where(there, place, np.nan))[there]
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
