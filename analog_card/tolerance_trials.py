@@ -41,6 +41,25 @@ def _require_figures(where: str, figures: Any) -> None:
         raise InputError(f"{where}: not a file of trials (no figures by name); name another")
 
 
+def requiring(*names: str) -> Callable[[str, Any], None]:
+    """Return what refuses kept figures that are not those of a trial, for `run_trials`.
+
+    Parameters
+    ----------
+    *names : str
+        Of all its figures.
+    """
+
+    def require(where: str, figures: Any) -> None:
+        if not isinstance(figures, dict) or set(figures) != set(names):
+            raise InputError(
+                f"{where} is no whole trial of this study; it needs {', '.join(names)}. "
+                "Delete the line, and the trial is run again"
+            )
+
+    return require
+
+
 def run_trials(
     trial: Trial,
     count: int,

@@ -9,7 +9,7 @@ from typing import Any
 
 from analog_card.errors import AnalogCardError
 from analog_card.tolerance import draw, elements_of, quantities
-from analog_card.tolerance_trials import fingerprint, run_trials
+from analog_card.tolerance_trials import fingerprint, requiring, run_trials
 from pneuservo.campaign.axes import Axis, Random
 from pneuservo.campaign.metrics import metrics_of
 from pneuservo.campaign.parameters import varied_rig
@@ -124,6 +124,7 @@ def run_check(
         step,
         pool,
         max(1, trials // (_SHARES * jobs)),
+        requiring("values", "metrics", "error"),
     )
 
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from analog_card.tolerance_trials import fingerprint, run_trials
+from analog_card.tolerance_trials import fingerprint, requiring, run_trials
 from pneuservo.errors import InputError
 from pneuservo.tuning.evaluation import Settings, Worst, evaluate
 from pneuservo.tuning.problem import OBJECTIVES, POTENTIOMETERS, TuningProblem, settable
@@ -147,6 +147,7 @@ def _tried(
         step,
         pool,
         -(-len(settings) // (2 * jobs)),
+        requiring(*(each.name for each in fields(Worst))),
     )
     return [
         Worst(tuple(each["settings"]), each["figures"], each["rigs"], each["lacking"])

@@ -210,6 +210,17 @@ def test_a_search_gone_on_with_is_the_same(problem, found, tmp_path):
         search(problem, replace(plan, seed=4), tmp_path)
 
 
+@pytest.mark.parametrize("figures", ['{"settings": [0.5]}', "{}", "[]"])
+def test_a_damaged_generation_is_refused(problem, tmp_path, figures):
+    plan = replace(PLAN, generations=1)
+    search(problem, plan, tmp_path)
+    kept = next(tmp_path.rglob("0000.jsonl"))
+    lines = kept.read_text().splitlines()
+    kept.write_text("\n".join([*lines[:2], f'{{"trial": 1, "figures": {figures}}}']) + "\n")
+    with pytest.raises(AnalogCardError, match=r"0000\.jsonl: line 3 .*settings.*run again"):
+        search(problem, plan, tmp_path)
+
+
 def test_the_check_is_a_run_of_a_drawn_card_in_a_drawn_rig(problem, found):
     trials = run_check(problem, found.chosen.settings, 4, seed=4)
     assert trials == found.trials
