@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.calibration.transient import Transient, in_flow
 from pneuservo.errors import InputError
 from pneuservo.intervals import INTERVAL
@@ -31,17 +31,17 @@ class FlowCurve:
         Half width of the 95 % interval [same].
     """
 
-    pressure_ratio: NDArray[np.float64]
-    coefficient: NDArray[np.float64]
-    half_width: NDArray[np.float64]
+    pressure_ratio: Array
+    coefficient: Array
+    half_width: Array
 
 
 def discharge_coefficient_from_rate(
-    rate: NDArray[np.float64],
-    pressure: NDArray[np.float64],
+    rate: Array,
+    pressure: Array,
     transient: Transient,
     polytropic_index: float,
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the discharge coefficient that explains a rate of the pressure [-].
 
     Parameters
@@ -69,9 +69,7 @@ def discharge_coefficient_from_rate(
         * np.abs(rate)
         / (polytropic_index * gas.gas_constant * np.sqrt(gas.temperature))
     )
-    coefficient: NDArray[np.float64] = flow / (
-        per_area * transient.area * transient.upstream(pressure)
-    )
+    coefficient: Array = flow / (per_area * transient.area * transient.upstream(pressure))
     return coefficient
 
 
@@ -136,7 +134,7 @@ def flow_curve(
     return FlowCurve(transient.pressure_ratio(at), signed, INTERVAL * spread)
 
 
-def _cut(ratio: NDArray[np.float64], bins: int, least: float) -> list[slice]:
+def _cut(ratio: Array, bins: int, least: float) -> list[slice]:
     """Return consecutive samples of about equal change of the pressure ratio.
 
     None has too few samples, or a change of less than `least`.
@@ -156,9 +154,7 @@ def _cut(ratio: NDArray[np.float64], bins: int, least: float) -> list[slice]:
     return [*parts, slice(last, len(ratio))]
 
 
-def _slope(
-    time: NDArray[np.float64], pressure: NDArray[np.float64], noise_rms: float
-) -> tuple[float, float, float]:
+def _slope(time: Array, pressure: Array, noise_rms: float) -> tuple[float, float, float]:
     """Return pressure, rate and its standard error in the middle of a few samples."""
     middle = 0.5 * (time[0] + time[-1])
     scale = max(0.5 * (time[-1] - time[0]), 1e-12)

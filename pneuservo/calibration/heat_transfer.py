@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.calibration.experiment import CONDITIONS
 from pneuservo.calibration.flow_curve import flow_curve
 from pneuservo.calibration.transient import Transient
@@ -43,8 +43,8 @@ class ApparentCoefficient:
     path: str
     opening: float
     duration: float
-    pressure_ratio: NDArray[np.float64]
-    ratio: NDArray[np.float64]
+    pressure_ratio: Array
+    ratio: Array
 
     @property
     def lowest(self) -> float:
@@ -132,7 +132,7 @@ class _Balance:
     def __init__(self, rig: Rig, charging: bool, area: float, conductance: float):
         self.rig, self.charging, self.area, self.conductance = rig, charging, area, conductance
 
-    def __call__(self, _: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, _: float, state: Array) -> Array:
         rig = self.rig
         pressure, temperature = state
         wall, volume = rig["temperature"], rig["dead-volume.volume"]
@@ -152,7 +152,7 @@ class _Balance:
         )
         return np.array([rate, warming])
 
-    def solve(self, time: NDArray[np.float64], begin: float) -> NDArray[np.float64]:
+    def solve(self, time: Array, begin: float) -> Array:
         from scipy.integrate import solve_ivp
 
         found = solve_ivp(
@@ -164,7 +164,7 @@ class _Balance:
             rtol=1e-8,
             atol=[1e-2, 1e-6],
         )
-        pressure: NDArray[np.float64] = found.y[0]
+        pressure: Array = found.y[0]
         return pressure
 
 

@@ -6,9 +6,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.processes import processes
+from pneuservo.arrays import Array
 from pneuservo.calibration.table_row import TableRow, fit_row
 from pneuservo.calibration.transient import LEAK, Transient
 from pneuservo.errors import InputError
@@ -136,7 +136,7 @@ class Calibration:
         return tables
 
 
-def _five(row: TableRow) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _five(row: TableRow) -> tuple[Array, Array]:
     """Return a row with five break points; further ones in between change nothing."""
     points = list(row.pressure_ratio)
     while len(points) < _BREAK_POINTS:

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.calibration.break_points import found_break_points, required_break_points
 from pneuservo.calibration.flow_curve import FlowCurve, flow_curve
 from pneuservo.calibration.pressure_fit import Found, PressureFit
@@ -63,7 +62,7 @@ class TableRow:
         return self.transient.command
 
     @property
-    def visible(self) -> NDArray[np.bool_]:
+    def visible(self) -> Mask:
         """Return which of the coefficients the transient decides."""
         return np.isfinite(self.half_width)
 

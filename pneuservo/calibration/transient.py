@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
 from pneuservo.plant.dead_volume import PORT_A, PORT_B
@@ -47,8 +47,8 @@ class Transient:
     name: str
     path: str
     command: float
-    time: NDArray[np.float64]
-    pressure: NDArray[np.float64]
+    time: Array
+    pressure: Array
     noise_rms: float
     rig: Rig
 
@@ -75,7 +75,7 @@ class Transient:
             return 1.0
         return abs(self.opening) * self.rig[f"valve.flow.area_{self.path}"]
 
-    def pressure_ratio(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressure_ratio(self, pressure: Array) -> Array:
         """Return downstream over upstream pressure, at most 1 [-].
 
         Parameters
@@ -89,7 +89,7 @@ class Transient:
             ratio = self.rig["ambient.pressure"] / np.maximum(pressure, 1.0)
         return np.minimum(ratio, 1.0)
 
-    def upstream(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    def upstream(self, pressure: Array) -> Array:
         """Return the upstream pressure [Pa].
 
         Parameters
@@ -176,7 +176,7 @@ def _held_command(recording: Recording) -> float:
     return middle if abs(middle) > _HELD else 0.0
 
 
-def in_flow(transient: Transient) -> NDArray[np.bool_]:
+def in_flow(transient: Transient) -> Mask:
     """Return which samples still flow: the pressures on both sides are not equal yet.
 
     Parameters

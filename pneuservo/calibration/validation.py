@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.calibration.experiment import CONDITIONS, simulate_transient
 from pneuservo.calibration.transient import Transient, transient_of
 from pneuservo.plant.flow_paths import FLOW_PATHS
@@ -40,9 +40,9 @@ class Comparison:
 
     path: str
     command: float
-    time: NDArray[np.float64]
-    measured: NDArray[np.float64]
-    simulated: NDArray[np.float64]
+    time: Array
+    measured: Array
+    simulated: Array
 
     @property
     def largest(self) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import netlists
 from analog_card.amplifier_elements import netlist_elements
@@ -161,7 +161,7 @@ def _with_demand(netlist: Netlist, time: Array, demand: Array, sensitivity: floa
     return replace(netlist, lines=lines)
 
 
-def _channels(waves: Waveforms, since: Array, sensitivity: float) -> dict[str, NDArray[np.float64]]:
+def _channels(waves: Waveforms, since: Array, sensitivity: float) -> dict[str, Array]:
     channels = {"displacement": waves.at(since, "transducer") / sensitivity}
     for channel, (node, scale) in _NODES.items():
         channels[channel] = scale * waves.at(since, node)

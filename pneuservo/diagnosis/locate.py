@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.noise import surrogate
 
@@ -39,7 +38,7 @@ def regime_in_words(model: Model, cases: Sequence[Case], energy: Array) -> str:
         A phrase; empty when no regime stands out.
     """
     total = max(float(np.sum(energy)), 1e-300)
-    masks: dict[str, list[NDArray[np.bool_]]] = {}
+    masks: dict[str, list[Mask]] = {}
     for case in cases:
         for phrase, mask in model.regimes(case).items():
             masks.setdefault(phrase, []).append(mask[case.usable])

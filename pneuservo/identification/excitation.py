@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import Proportional
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig, load_rig
@@ -26,7 +26,7 @@ def sine_sweep(
     centre: float = 0.015,
     amplitude: float = 0.003,
     rate: float = SAMPLING_FREQUENCY,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Return a sine whose frequency rises evenly.
 
     Parameters

@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 from pneuservo.identification.result import Identification, estimates
 from pneuservo.identification.signals import (
@@ -187,7 +186,7 @@ def _columns(balance: ForceBalance) -> Array:
     return np.column_stack((balance.inertia, balance.velocity, balance.direction))
 
 
-def _used(balance: ForceBalance, direction: str, dead_band: float) -> NDArray[np.bool_]:
+def _used(balance: ForceBalance, direction: str, dead_band: float) -> Mask:
     from scipy.ndimage import binary_dilation
 
     velocity, time = balance.velocity, balance.time
@@ -200,7 +199,7 @@ def _used(balance: ForceBalance, direction: str, dead_band: float) -> NDArray[np
     return used
 
 
-def _spread(mask: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
+def _spread(mask: Mask, most: int) -> Mask:
     places = np.flatnonzero(mask)
     if len(places) <= most:
         return mask

@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 from pneuservo.identification.least_squares import FEWEST_SAMPLES, covariance_of
 from pneuservo.identification.result import Identification, estimates
@@ -94,7 +93,7 @@ def _rig_of(recording: Recording, rig: Rig | str | None) -> Rig:
     return rig.with_conditions(recording.conditions)
 
 
-def _balance(recording: Recording, rig: Rig) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+def _balance(recording: Recording, rig: Rig) -> tuple[Array, Array, Array, Mask]:
     """Return times, what the unknowns multiply, the friction force, and which samples to use."""
     from scipy.ndimage import binary_dilation, median_filter
 

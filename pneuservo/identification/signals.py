@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array, bridged
+from pneuservo.arrays import Array, Mask, bridged
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
@@ -51,7 +50,7 @@ class ForceBalance:
     inertia: Array
     direction: Array
     force: Array
-    free: NDArray[np.bool_]
+    free: Mask
     cutoff: float
 
 
@@ -190,7 +189,7 @@ def _require_cutoff(name: str, cutoff: float, interval: float, duration: float) 
         )
 
 
-def _free(share: Array, settling: int) -> NDArray[np.bool_]:
+def _free(share: Array, settling: int) -> Mask:
     """Return where the piston has been away from both stops for as long as the filter settles."""
     from scipy.ndimage import binary_dilation
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.intervals import INTERVAL
 
 _LAGS = 20
@@ -25,7 +25,7 @@ class Whiteness:
         Of correlations as large as these in white noise [-].
     """
 
-    autocorrelation: NDArray[np.float64]
+    autocorrelation: Array
     band: float
     probability: float
 
@@ -49,7 +49,7 @@ class Whiteness:
         )
 
 
-def whiteness(residual: NDArray[np.float64], lags: int = _LAGS) -> Whiteness:
+def whiteness(residual: Array, lags: int = _LAGS) -> Whiteness:
     """Judge whether a residual is white.
 
     Parameters

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.limit_cycle.cycle import Cycle, dominant
 from pneuservo.limit_cycle.describing_function import describing_function_cycles
 from pneuservo.limit_cycle.exact import exact_cycles
@@ -72,7 +72,7 @@ def compare(
     loop: Loop,
     rig: Rig | None = None,
     displacement: float = 0.015,
-    grid: NDArray[np.float64] | None = None,
+    grid: Array | None = None,
     step: Callable[[str], None] = lambda _: None,
 ) -> Mapping[str, Finding]:
     """Return the limit cycle of a loop by every method.
@@ -181,7 +181,7 @@ def by_nonlinear_simulation(
     rig: Rig,
     displacement: float = 0.015,
     start_error: float = START_ERROR,
-    grid: NDArray[np.float64] | None = None,
+    grid: Array | None = None,
 ) -> Finding:
     """Return what the non-linear plant shows after a step.
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.limit_cycle.comparison import FOLLOWED, measured
 from pneuservo.limit_cycle.linear_simulation import simulate_sampled
@@ -25,10 +25,10 @@ class Locking:
         displacement [m].
     """
 
-    frequency: NDArray[np.float64]
-    high: NDArray[np.float64]
-    low: NDArray[np.float64]
-    mean_error: NDArray[np.float64]
+    frequency: Array
+    high: Array
+    low: Array
+    mean_error: Array
 
 
 def locking(loop: Loop, starts: int = 25, seed: int = 1) -> Locking:

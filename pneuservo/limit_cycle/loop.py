@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.linear.models import state_space
 from pneuservo.sliding_mode.boundary_layer import WIDTHS
@@ -189,7 +190,7 @@ def loop_system(loop: Loop) -> control.StateSpace:
     return control.series(continuous, surface)
 
 
-def loop_response(loop: Loop, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+def loop_response(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
     """Return the open loop from valve voltage to the surface with its sign turned.
 
     Parameters
@@ -293,5 +294,5 @@ def _differentiator(breaks: tuple[float, float]) -> control.StateSpace:
     return control.tf2ss(control.tf([1.0, 0.0], np.polymul([first, 1.0], [second, 1.0])))
 
 
-def _gain(matrix: NDArray[np.float64], period: float = 0.0) -> control.StateSpace:
+def _gain(matrix: Array, period: float = 0.0) -> control.StateSpace:
     return control.ss([], [], [], matrix, period)

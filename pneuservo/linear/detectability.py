@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import converter_step, detectable_frequency
+from pneuservo.arrays import Array
 from pneuservo.linear.from_rig import table_5_2
 from pneuservo.linear.models import advanced_servo, without_valve
 from pneuservo.linear.servo_data import ServoData
@@ -30,8 +30,8 @@ class DetectableFrequencies:
     """
 
     positions: tuple[float, ...]
-    without_valve: Mapping[str, NDArray[np.float64]]
-    with_valve: Mapping[str, NDArray[np.float64]]
+    without_valve: Mapping[str, Array]
+    with_valve: Mapping[str, Array]
     threshold: float
 
 
@@ -68,7 +68,7 @@ def detectable_frequencies(
     data = data or table_5_2()
     seen = converter_step(data.stroke, bits) if threshold is None else threshold
     positions = tuple(share * data.stroke for share in _SHARES)
-    tables: dict[bool, dict[str, NDArray[np.float64]]] = {False: {}, True: {}}
+    tables: dict[bool, dict[str, Array]] = {False: {}, True: {}}
     for valve in tables:
         for name, extending in (("extend", True), ("retract", False)):
             servos = [advanced_servo(data, position, extending) for position in positions]

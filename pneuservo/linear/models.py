@@ -5,9 +5,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.linear_servo import LinearServo
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.linear.servo_data import ServoData
 
@@ -160,7 +160,7 @@ def transfer_function(servo: LinearServo) -> "TransferFunction":
     return plant * control.tf([w * w], [1.0, 2 * servo.valve_damping * w, w * w])
 
 
-def state_matrices(servo: LinearServo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def state_matrices(servo: LinearServo) -> tuple[Array, Array]:
     """Return system and input matrix of the canonical state-space form.
 
     Parameters

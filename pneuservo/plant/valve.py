@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.flow_paths import FLOW_PATHS, FlowPathTable
@@ -42,7 +42,7 @@ class Valve(NamedTuple):
     """Damping ratio of the spool [-]."""
 
 
-def discharge_grid(tables: Mapping[str, FlowPathTable]) -> NDArray[np.float64]:
+def discharge_grid(tables: Mapping[str, FlowPathTable]) -> Array:
     """Return the discharge coefficients of the four flow paths on an even grid.
 
     Parameters
@@ -89,7 +89,7 @@ def discharge_grid(tables: Mapping[str, FlowPathTable]) -> NDArray[np.float64]:
     return grid
 
 
-def _require_on_grid(points: NDArray[np.float64], step: float, cells: int, what: str) -> None:
+def _require_on_grid(points: Array, step: float, cells: int, what: str) -> None:
     index = np.asarray(points) / step
     off = (np.abs(index - np.round(index)) > 1e-6) | (index < -1e-6) | (index > cells + 1e-6)
     if off.any():

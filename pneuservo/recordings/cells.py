@@ -4,9 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 
 _MISSING = ("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "1.#qnan", "-1.#ind")
@@ -17,7 +15,7 @@ _ADVICE = "write numbers like 1234.5, without thousands marks"
 
 def column_numbers(
     cells: Mapping[str, Any], path: Path, place: Callable[[int], str], delimiter: str
-) -> dict[str, NDArray[np.float64]]:
+) -> dict[str, Array]:
     """Return columns of text as numbers.
 
     Parameters
@@ -127,7 +125,7 @@ def _thousands(mark: str, text: Any, delimiter: str, decimal: bool) -> int | Non
     return _first(grouped) if delimiter == "," or (len(bare) > 0 and whole) else None
 
 
-def _numbers(text: Any, path: Path, place: Callable[[int], str], name: str) -> NDArray[np.float64]:
+def _numbers(text: Any, path: Path, place: Callable[[int], str], name: str) -> Array:
     import pyarrow
     import pyarrow.compute as compute
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.recordings.cells import column_numbers
 from pneuservo.recordings.sidecar import TableShape
@@ -77,7 +77,7 @@ def open_csv(path: Path, shape: TableShape) -> Table:
         _require_whole_last_line(rows)
     warnings = (f"blank lines between the samples were skipped: {blank}",) if blank else ()
 
-    def load(wanted: Sequence[str]) -> dict[str, NDArray[np.float64]]:
+    def load(wanted: Sequence[str]) -> dict[str, Array]:
         return _load(rows, names, wanted)
 
     return Table(path, tuple(name for name in names if name), load, rows.place, warnings=warnings)
@@ -202,7 +202,7 @@ def _require_whole_last_line(rows: _Rows) -> None:
         )
 
 
-def _load(rows: _Rows, names: list[str], wanted: Sequence[str]) -> dict[str, NDArray[np.float64]]:
+def _load(rows: _Rows, names: list[str], wanted: Sequence[str]) -> dict[str, Array]:
     import pyarrow
     from pyarrow import csv as arrow_csv
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest
 from pneuservo.recordings.channels import CHANNELS
@@ -103,7 +103,7 @@ def read_recording(path: str | Path, rig: str | Path | None = None) -> Recording
     clock = time_source(table, sidecar)
     raw = _read_columns(table, sidecar, clock, sources)
     time, keep, time_warnings = _time(table, sidecar, clock, raw)
-    channels: dict[str, NDArray[np.float64]] = {}
+    channels: dict[str, Array] = {}
     sample_warnings: list[str] = []
     for name, source in sources.items():
         column = table.find(source.column, str(sidecar.path))
@@ -165,7 +165,7 @@ def _read_columns(
     sidecar: Sidecar,
     clock: TimeSource,
     sources: Mapping[str, ChannelSource],
-) -> dict[str, NDArray[np.float64]]:
+) -> dict[str, Array]:
     wanted: list[str] = []
     if clock.column is not None:
         wanted.append(table.find(clock.column, f"{sidecar.path}: [time]"))
@@ -178,8 +178,8 @@ def _time(
     table: Table,
     sidecar: Sidecar,
     source: TimeSource,
-    raw: Mapping[str, NDArray[np.float64]],
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], list[str]]:
+    raw: Mapping[str, Array],
+) -> tuple[Array, Mask, list[str]]:
     """Return the time of the usable samples, which those are, and warnings."""
     if source.column is None:
         count = len(next(iter(raw.values())))
@@ -195,9 +195,7 @@ def _time(
     return (kept if from_the_start else kept - kept[0]), keep, warnings
 
 
-def _usable(
-    table: Table, column: str, values: NDArray[np.float64], keep: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def _usable(table: Table, column: str, values: Array, keep: Mask) -> Array:
     """Return the samples that have a time; refuse infinite ones, and a column without any."""
     infinite = np.flatnonzero(np.isinf(values))
     if len(infinite):

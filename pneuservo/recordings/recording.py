@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
@@ -43,8 +44,8 @@ class Recording:
     """
 
     name: str
-    time: NDArray[np.float64]
-    channels: Mapping[str, NDArray[np.float64]]
+    time: Array
+    channels: Mapping[str, Array]
     rig: str = "single-axis"
     conditions: Mapping[str, float] = field(default_factory=dict)
     noise_rms: Mapping[str, float] = field(default_factory=dict)
@@ -71,7 +72,7 @@ class Recording:
         """Return whether a channel was recorded."""
         return channel in self.channels
 
-    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+    def __getitem__(self, channel: str) -> Array:
         """Return the samples of a channel."""
         return self.channels[channel]
 
@@ -180,6 +181,6 @@ class Recording:
         return ax
 
 
-def _in_one_way(samples: ArrayLike) -> NDArray[np.float64]:
+def _in_one_way(samples: ArrayLike) -> Array:
     """Return samples as most arrays are: one after the other, and to be written to."""
     return np.require(samples, np.float64, ("C_CONTIGUOUS", "WRITEABLE"))

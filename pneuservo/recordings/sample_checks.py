@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array, Mask
 from pneuservo.recordings.channels import Channel
 
 LONGEST_FILLED = 3  # samples
@@ -30,9 +30,7 @@ class _Run:
     stop: int
 
 
-def fill_short_gaps(
-    time: NDArray[np.float64], values: NDArray[np.float64], channel: str
-) -> tuple[NDArray[np.float64], list[str]]:
+def fill_short_gaps(time: Array, values: Array, channel: str) -> tuple[Array, list[str]]:
     """Return samples with short runs of missing ones interpolated.
 
     Parameters
@@ -80,7 +78,7 @@ def fill_short_gaps(
     return filled, warnings
 
 
-def check_samples(values: NDArray[np.float64], channel: Channel) -> list[str]:
+def check_samples(values: Array, channel: Channel) -> list[str]:
     """Return warnings about clipped and coarsely quantised samples, and impossible pressures.
 
     Parameters
@@ -127,14 +125,14 @@ def check_samples(values: NDArray[np.float64], channel: Channel) -> list[str]:
     return warnings + _quantisation(present, levels, channel)
 
 
-def _runs(mask: NDArray[np.bool_]) -> list[_Run]:
+def _runs(mask: Mask) -> list[_Run]:
     """Return the stretches in which a mask is true."""
     edges = np.diff(np.concatenate(([False], mask, [False])).astype(np.int8))
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return [_Run(int(a), int(b)) for a, b in zip(starts, stops, strict=True)]
 
 
-def _clipped(values: NDArray[np.float64], extreme: float, near: NDArray[np.float64]) -> list[_Run]:
+def _clipped(values: Array, extreme: float, near: Array) -> list[_Run]:
     """Return the stretches at an extreme value, if they are clipped."""
     longest = max(run.stop - run.start for level in near for run in _runs(values == level))
     enough = _SHORTEST_CLIP if longest == 1 else _CLIP_TO_NEAR * longest
@@ -147,7 +145,7 @@ def _clipped(values: NDArray[np.float64], extreme: float, near: NDArray[np.float
     steps = np.diff(values)
     usual = float(np.sqrt(np.mean(steps**2)))
 
-    def abrupt(outward: NDArray[np.float64]) -> bool:
+    def abrupt(outward: Array) -> bool:
         near = outward[: 3 * _EDGE_STEPS]
         if near.min(initial=0.0) < 0.0 < near.max(initial=0.0):
             return True  # a noisy channel does not come to rest
@@ -164,9 +162,7 @@ def _clipped(values: NDArray[np.float64], extreme: float, near: NDArray[np.float
     return []
 
 
-def _quantisation(
-    values: NDArray[np.float64], levels: NDArray[np.float64], channel: Channel
-) -> list[str]:
+def _quantisation(values: Array, levels: Array, channel: Channel) -> list[str]:
     switched = channel.name in LIMITED_BY_DESIGN and len(levels) < _FEWEST_LEVELS
     few = switched or len(levels) < _FEWEST_STEPS or len(values) < _SAMPLES_PER_LEVEL * len(levels)
     if few or channel.name == "demand":

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.recordings.channels import CHANNELS, Channel
 from pneuservo.recordings.conditions import ambient_pressure
@@ -165,10 +165,10 @@ def _unit(source: ChannelSource, channel: Channel, where: str) -> str:
 def samples_in_si(
     source: ChannelSource,
     name: str,
-    raw: NDArray[np.float64],
+    raw: Array,
     sidecar: Sidecar,
     rig: Rig,
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the samples of a channel in SI, pressures absolute.
 
     Parameters

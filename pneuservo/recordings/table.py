@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest
 
@@ -108,7 +109,7 @@ class Table:
             f"its columns are: {listed}{more}{nearest(name, self.names)}"
         )
 
-    def read(self, names: Sequence[str]) -> dict[str, NDArray[np.float64]]:
+    def read(self, names: Sequence[str]) -> dict[str, Array]:
         """Return columns as numbers.
 
         Parameters
@@ -138,7 +139,7 @@ class Table:
         return columns
 
 
-def as_numbers(values: Any, where: str) -> NDArray[np.float64]:
+def as_numbers(values: Any, where: str) -> Array:
     """Return a column as floating-point numbers.
 
     Parameters

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 
 FEWEST_SAMPLES = 16
@@ -34,8 +34,8 @@ def require_enough(count: int, where: str) -> None:
 
 
 def check_time(
-    time: NDArray[np.float64], where: str, column: str, place: Callable[[int], str]
-) -> tuple[NDArray[np.bool_], list[str]]:
+    time: Array, where: str, column: str, place: Callable[[int], str]
+) -> tuple[Mask, list[str]]:
     """Return which samples have a usable time stamp, and what was found.
 
     Parameters
@@ -99,7 +99,7 @@ def check_time(
     return keep, warnings + _irregularities(time[keep])
 
 
-def _irregularities(time: NDArray[np.float64]) -> list[str]:
+def _irregularities(time: Array) -> list[str]:
     """Return warnings about gaps and jitter of a strictly increasing time."""
     steps = np.diff(time)
     median = float(np.median(steps))

@@ -6,10 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from analog_card.files import write_whole
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings.channels import CHANNELS
@@ -18,7 +16,7 @@ from pneuservo.recordings.recording import Recording
 from pneuservo.recordings.sidecar import read_sidecar
 from pneuservo.rigs import BUILT_IN_RIGS, VARIANTS, load_rig
 
-_Columns = Mapping[str, NDArray[np.float64]]
+_Columns = Mapping[str, Array]
 
 
 def write_recording(recording: Recording, path: str | Path) -> Path:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TypeGuard
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pneuservo.arrays import Array
 from pneuservo.controllers import (
@@ -48,15 +48,15 @@ class Batch:
     """
 
     rig: Rig
-    values: Mapping[str, NDArray[np.float64]]
-    time: NDArray[np.float64]
-    channels: Mapping[str, NDArray[np.float64]]
+    values: Mapping[str, Array]
+    time: Array
+    channels: Mapping[str, Array]
 
     def __len__(self) -> int:
         """Return the number of runs."""
         return len(next(iter(self.channels.values())))
 
-    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+    def __getitem__(self, channel: str) -> Array:
         """Return a channel of all runs."""
         return self.channels[channel]
 

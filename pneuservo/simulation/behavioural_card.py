@@ -4,12 +4,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.behaviour import CardBehaviour, Stages, card_stages
 from analog_card.behaviour_model import LARGEST_STEP as CARD_STEP
 from analog_card.behaviour_model import kernel_numbers, state_at_rest
 from analog_card.differentiator_kernel import CardNumbers
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.plant import behavioural_card
 from pneuservo.plant import single_axis as places
@@ -39,14 +39,14 @@ class SteppedCard:
         Displacement transducer [V/m].
     """
 
-    time: NDArray[np.float64]
+    time: Array
     stages: Stages
     numbers: CardNumbers
     steps: int
     substeps: int
     sensitivity: float
 
-    def at_rest(self, displacement: float, demand: float) -> NDArray[np.float64]:
+    def at_rest(self, displacement: float, demand: float) -> Array:
         """Return the state of the card that has stood still at a displacement and demand [m]."""
         return state_at_rest(
             self.stages, self.numbers, self.sensitivity * displacement, self.sensitivity * demand
@@ -54,7 +54,7 @@ class SteppedCard:
 
 
 def stepped_card(
-    time: NDArray[np.float64], behaviour: CardBehaviour, sensitivity: float, largest_step: float
+    time: Array, behaviour: CardBehaviour, sensitivity: float, largest_step: float
 ) -> SteppedCard:
     """Return a card in steps that fit the times of a run.
 
@@ -84,12 +84,12 @@ def stepped_card(
 
 
 def run_behaviour(
-    inputs: NDArray[np.float64],
-    state: NDArray[np.float64],
+    inputs: Array,
+    state: Array,
     card: SteppedCard,
     plant: SingleAxis,
-    grid: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    grid: Array,
+) -> Array:
     """Return the outputs of plant and card at every time.
 
     Parameters
@@ -127,7 +127,7 @@ def run_behaviour(
     )
 
 
-def equally_spaced(time: NDArray[np.float64]) -> NDArray[np.float64]:
+def equally_spaced(time: Array) -> Array:
     """Return equally spaced times in the place of times that are so but for their rounding.
 
     Parameters

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.quantities import as_text, to_si_all
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.recordings.reader import SUFFIXES
 
@@ -17,9 +17,7 @@ HOLD, RATE = 0.5, 1000.0
 _MOST_SAMPLES = 20_000_000
 
 
-def step_demand(
-    values: Sequence[float], hold: float, rate: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def step_demand(values: Sequence[float], hold: float, rate: float) -> tuple[Array, Array]:
     """Return a demand that holds each value in turn.
 
     Parameters

@@ -4,8 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import Controller
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
@@ -39,7 +40,7 @@ class Gradient:
 
     nominal: Simulation
     parameters: tuple[str, ...]
-    derivatives: Mapping[str, NDArray[np.float64]]
+    derivatives: Mapping[str, Array]
 
 
 def simulate_gradient(

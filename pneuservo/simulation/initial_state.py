@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.errors import InputError
 from pneuservo.plant import single_axis as places
 from pneuservo.plant.single_axis import SingleAxis
@@ -40,9 +40,7 @@ class InitialState:
     spool: float = 0.0
     spool_rate: float = 0.0
 
-    def state(
-        self, plant: SingleAxis, default_displacement: float, external_force: float
-    ) -> NDArray[np.float64]:
+    def state(self, plant: SingleAxis, default_displacement: float, external_force: float) -> Array:
         """Return the state as the kernels take it.
 
         Parameters

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import Controller, controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import CHANNELS, Recording
@@ -39,10 +39,10 @@ class Simulation:
     """
 
     rig: Rig
-    time: NDArray[np.float64]
-    channels: Mapping[str, NDArray[np.float64]]
+    time: Array
+    channels: Mapping[str, Array]
     controller: Controller | None = None
-    surface: NDArray[np.float64] | None = None
+    surface: Array | None = None
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -52,7 +52,7 @@ class Simulation:
         """Return whether the run has a channel."""
         return channel in self.channels
 
-    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+    def __getitem__(self, channel: str) -> Array:
         """Return the samples of a channel."""
         return self.channels[channel]
 

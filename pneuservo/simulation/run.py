@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.controllers import AnalogueCard, Controller, SampledController
 from pneuservo.errors import InputError
 from pneuservo.plant import single_axis as places
@@ -210,7 +210,7 @@ def integration_step(largest_step: float, spool_frequency: float, law: ControlLa
     return min(float(largest_step), _STEP_PER_TIME_CONSTANT / fastest)
 
 
-def with_card_at_rest(state: NDArray[np.float64], law: ControlLaw) -> NDArray[np.float64]:
+def with_card_at_rest(state: Array, law: ControlLaw) -> Array:
     """Return the state of the plant with that of a card by its figures, which has settled."""
     full = np.zeros(places.STATES_WITH_CARD)
     full[: places.PLANT_STATES] = state
@@ -222,7 +222,7 @@ class BrokenRunError(InputError):
     """The state of a run is not finite, or a pressure not positive."""
 
 
-def require_finite(times: NDArray[np.float64], finite: NDArray[np.bool_]) -> None:
+def require_finite(times: Array, finite: Mask) -> None:
     """Refuse a run whose state is not finite, or a pressure not positive, at some time.
 
     Parameters
@@ -248,12 +248,12 @@ def require_finite(times: NDArray[np.float64], finite: NDArray[np.bool_]) -> Non
 
 def simulation_of(
     rig: Rig,
-    times: NDArray[np.float64],
-    columns: dict[str, NDArray[np.float64]],
+    times: Array,
+    columns: dict[str, Array],
     controller: Controller | None,
     law: ControlLaw,
-    held: NDArray[np.float64],
-    force: NDArray[np.float64],
+    held: Array,
+    force: Array,
 ) -> Simulation:
     """Return the run that outputs of the kernels make.
 

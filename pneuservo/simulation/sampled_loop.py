@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard, Reading, SampledController
 from pneuservo.errors import InputError
 from pneuservo.plant.control_law import OPEN_LOOP
@@ -92,7 +92,7 @@ class SampledLoop:
         if force is not None:
             self._held[EXTERNAL_FORCE] = force
 
-    def advance(self, duration: float) -> NDArray[np.float64]:
+    def advance(self, duration: float) -> Array:
         """Return the outputs after a duration, in the order of `OUTPUTS`, the surface unknown.
 
         Parameters

@@ -4,10 +4,9 @@ import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analog_card.behaviour import CardBehaviour
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import HELD_VOLTAGE, OPEN_LOOP, ControlLaw
 from pneuservo.plant.servo import layout
@@ -60,7 +59,7 @@ def run_with_effects(
     behaviour: CardBehaviour | None,
     largest_step: float,
     seed: Seed,
-) -> tuple[dict[str, Array], NDArray[np.bool_]]:
+) -> tuple[dict[str, Array], Mask]:
     """Return what the transducers read in a run, by channel, and where the state is finite.
 
     Parameters
@@ -128,7 +127,7 @@ def run_with_effects(
         out = _run_beside_card(inputs, state, card, servo, grid)
     out = out[::parts]
     columns = dict(zip(layout.OUTPUTS, out.T, strict=True))
-    finite: NDArray[np.bool_] = np.isfinite(out[:, :6]).all(axis=1)
+    finite: Mask = np.isfinite(out[:, :6]).all(axis=1)
     finite &= (columns["pressure_a"] > 0.0) & (columns["pressure_b"] > 0.0)
     arrived = columns["valve_voltage"]
     if law.source == HELD_VOLTAGE:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pneuservo.arrays import Array
 from pneuservo.controllers import ContinuousController
@@ -122,7 +121,7 @@ def shortest_limit(trials: Trials, largest_step: float) -> float:
 
 def run_trials(
     trials: Trials, times: Array, inputs: Array, places: Sequence[int], step: float, jobs: int
-) -> NDArray[np.float64]:
+) -> Array:
     """Return chosen outputs of many runs.
 
     Parameters

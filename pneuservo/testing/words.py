@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.controllers import controller_settings
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
@@ -17,17 +17,17 @@ class Run(Protocol):
     """What assertions are made of: a simulation, a recording, or what is like them."""
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Array:
         """Return the times of the samples [s]."""
 
     def __contains__(self, channel: str) -> bool:
         """Return whether there is a channel."""
 
-    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+    def __getitem__(self, channel: str) -> Array:
         """Return the samples of a channel."""
 
 
-def samples(run: Run, channel: str) -> NDArray[np.float64]:
+def samples(run: Run, channel: str) -> Array:
     """Return a channel that an assertion needs.
 
     Raises

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.manipulator.adaptive import VariableStructureAdaptive
 from pneuservo.manipulator.controllers import (
     ComputedTorque,
@@ -284,7 +284,7 @@ def _estimates() -> "Figure":
     run = _run(VariableStructureAdaptive, VARIED, _SETTLED)
     assert run.estimates is not None
     names = ("m1 [kg]", "m2 [kg]", "J1 [kg m²]", "J2 [kg m²]", "k1 [N m s]", "k2 [N m s]")
-    actual: NDArray[np.float64] = nominal().varied(VARIED).parameters
+    actual: Array = nominal().varied(VARIED).parameters
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
     for place, ax in enumerate(figure.subplots(2, 3, sharex=True).flat):
         shown = run.time <= 1.5

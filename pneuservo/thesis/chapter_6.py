@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.report.picture_files import write_pictures
 from pneuservo.sliding_mode.second_order import (
     PhaseTrajectory,
@@ -148,7 +148,7 @@ def _differences() -> Iterator[Row]:
         )
 
 
-def _lag(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _lag(order: int) -> tuple[Array, Array]:
     """Return frequencies up to the sampling frequency [Hz] and the lag of a difference [deg]."""
     import control
 

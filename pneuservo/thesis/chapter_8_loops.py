@@ -6,11 +6,9 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
 
-import numpy as np
-from numpy.typing import NDArray
-
 from analog_card.linear_servo import LinearServo
 from analog_card.surface_weights import state_weights
+from pneuservo.arrays import Array
 from pneuservo.limit_cycle import Loop, Signals, StepCourse, simulate_nonlinear
 from pneuservo.linear import conventional_servo, table_5_2, without_valve
 from pneuservo.rigs import Rig, load_rig
@@ -98,7 +96,7 @@ class Plants:
     weights: tuple[float, float, float]
     level: float
     rig: Rig
-    grid: NDArray[np.float64] | None
+    grid: Array | None
 
     def loop(self, stated: StatedLoop) -> Loop:
         """Return a loop of the tables round the linear plant."""

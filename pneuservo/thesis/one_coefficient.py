@@ -1,15 +1,15 @@
 """The non-linear plant with what the linear models assume: one coefficient for every path."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.linear import TABLE_5_2
 from pneuservo.rigs import Rig, load_rig, plant_numbers
 
 
 def rig_with_one_coefficient(
     discharge_coefficient: float, flow_area: float, coulomb_friction: float = 0.0
-) -> tuple[Rig, NDArray[np.float64]]:
+) -> tuple[Rig, Array]:
     """Return the rig of table 5.2, and its discharge coefficients as the kernels take them.
 
     Parameters

@@ -1,13 +1,14 @@
 """What a settled signal does well below its chattering."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from pneuservo.arrays import Array
 
 # Well under any chattering of the servo [Hz], and what a filter spoils at the end [s].
 _CORNER, _EDGE = 60.0, 0.05
 
 
-def slow_range(time: NDArray[np.float64], signal: NDArray[np.float64], settled: float) -> float:
+def slow_range(time: Array, signal: Array, settled: float) -> float:
     """Return the range of a signal below 60 Hz, in its unit.
 
     Parameters

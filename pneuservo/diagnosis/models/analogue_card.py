@@ -5,9 +5,8 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.card_feed import (
     EDGE,
     CardFeed,
@@ -193,7 +192,7 @@ class AnalogueCardModel(Model):
         most = max(shares.values())
         return next(block for block, share in shares.items() if share >= _NEARLY_MOST * most)
 
-    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+    def regimes(self, case: Case) -> dict[str, Mask]:
         """Return parts of the recording by the size of taps and output, and by time."""
         feed: CardFeed = case.inputs["feed"]
         signals, figures = feed.signals, feed.nominal.figures

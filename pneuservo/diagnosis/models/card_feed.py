@@ -11,7 +11,7 @@ from analog_card.behaviour_limiter import inputs as limiter_inputs
 from analog_card.design_file import load_design
 from analog_card.errors import InputError as CardInputError
 from analog_card.figures import CardFigures, card_figures
-from pneuservo.arrays import Array, bridged
+from pneuservo.arrays import Array, Mask, bridged
 from pneuservo.diagnosis.models.even_samples import even_interval
 from pneuservo.errors import InputError
 from pneuservo.noise import noise_floor
@@ -90,7 +90,7 @@ class CardFeed:
 
     interval: float
     signals: dict[str, Array]
-    missing: dict[str, NDArray[np.bool_]]
+    missing: dict[str, Mask]
     noise: dict[str, float]
     nominal: CardNominal
 
@@ -104,7 +104,7 @@ class CardFeed:
         hertz = np.fft.rfftfreq(_extended_size(size), self.interval)
         return np.asarray(2.0 * np.pi * hertz, np.float64)
 
-    def unusable(self, *channels: str) -> NDArray[np.bool_]:
+    def unusable(self, *channels: str) -> Mask:
         """Return the samples that some channels cannot be judged at or fed from."""
         bad = np.zeros(self.size, dtype=bool)
         for channel in channels:
@@ -113,7 +113,7 @@ class CardFeed:
         spread[:EDGE] = spread[-EDGE:] = True
         return spread
 
-    def jumps(self) -> NDArray[np.bool_]:
+    def jumps(self) -> Mask:
         """Return the samples next to a jump of the demand.
 
         Recorder and demand keep no common time: there a tap may be the one before or after.

@@ -4,9 +4,8 @@ Values are those of a fit: a stage's own small errors, and the parameters of eff
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.card_feed import CardFeed, Spectrum, signal_of
 from pneuservo.diagnosis.models.card_kernels import (
     limited_differentiator,
@@ -190,7 +189,7 @@ def levels(feed: CardFeed) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def inside_layer(feed: CardFeed) -> NDArray[np.bool_]:
+def inside_layer(feed: CardFeed) -> Mask:
     """Return at which samples the output follows the surface."""
     lower, upper = levels(feed)
     margin = 3.0 * feed.noise["card_output"]

@@ -4,9 +4,8 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array, bridged
+from pneuservo.arrays import Array, Mask, bridged
 from pneuservo.diagnosis.models.even_samples import even_interval
 from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.effects.circuit import damping_beyond_linear, stiffness_beyond_linear
@@ -151,7 +150,7 @@ class CircuitModel(Model):
         )
         return output
 
-    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+    def regimes(self, case: Case) -> dict[str, Mask]:
         """Return parts of the recording by amplitude."""
         size = np.abs(case.measured - np.nanmean(case.measured))
         usual = float(np.sqrt(np.nanmean(size**2)))

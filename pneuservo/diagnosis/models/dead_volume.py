@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.leaking_volume import Leak, run_leaking_volume
 from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.plausible import require_absolute, require_times
@@ -152,7 +151,7 @@ class DeadVolumeModel(Model):
             found["start"] = ("s", lambda shared, own: own["start"])
         return found
 
-    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+    def regimes(self, case: Case) -> dict[str, Mask]:
         """Return parts of the recording by pressure."""
         gauge = case.measured - case.rig["ambient.pressure"]
         top = np.nanmax(gauge)

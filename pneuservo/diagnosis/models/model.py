@@ -5,9 +5,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.effects import Effect, effects_of
 from pneuservo.errors import InputError
 from pneuservo.noise import resolution
@@ -157,7 +156,7 @@ class Case:
     inputs: Mapping[str, Any]
     noise_rms: float
     rig: Rig
-    usable: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, dtype=bool))
+    usable: Mask = field(default_factory=lambda: np.ones(0, dtype=bool))
     channel: str = ""
     unit: str = ""
     scale: float = 1.0
@@ -353,7 +352,7 @@ class Model:
         """Return the judged channel as the model has it, as it would be recorded [SI]."""
         return self.predict(case, values) * case.scale
 
-    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+    def regimes(self, case: Case) -> dict[str, Mask]:
         """Return phrases that name parts of a recording, with the samples they cover."""
         raise NotImplementedError
 

@@ -5,9 +5,8 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array, bridged
+from pneuservo.arrays import Array, Mask, bridged
 from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.plausible import require_absolute
 from pneuservo.noise import noise_floor
@@ -158,7 +157,7 @@ class SealTesterModel(Model):
             force = force * (1.0 + gain)
         return force + values["sensor.force.offset"]
 
-    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+    def regimes(self, case: Case) -> dict[str, Mask]:
         """Return parts of the recording by motion, place and pressure."""
         displacement, share = case.inputs["displacement"], case.inputs["stroke_share"]
         direction = self._direction(case)
@@ -202,13 +201,13 @@ class SealTesterModel(Model):
         return _last_nonzero_sign(np.diff(displacement, prepend=displacement[0]))
 
 
-def _at_reversal(displacement: Array) -> NDArray[np.bool_]:
+def _at_reversal(displacement: Array) -> Mask:
     """Return the samples beside a reversal, whose moment is known to no better than a sample."""
     from scipy.ndimage import binary_dilation
 
     direction = _last_nonzero_sign(np.diff(displacement, prepend=displacement[0]))
     turned = np.diff(direction, prepend=direction[0]) != 0
-    beside: NDArray[np.bool_] = binary_dilation(turned, iterations=_UNSURE)
+    beside: Mask = binary_dilation(turned, iterations=_UNSURE)
     return beside
 
 

@@ -1,8 +1,8 @@
 """A parameter of the rig that changes in the course of a recording, by a table over time."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Array
 from pneuservo.plant.piston import Piston
 from pneuservo.plant.servo.compilation import compiled, compiled_apart, compiled_whole
 from pneuservo.plant.servo.layout import Servo
@@ -164,9 +164,7 @@ def _effects_with_factor(effects, read):
     )
 
 
-def behind_drift(
-    time: NDArray[np.float64], motion: NDArray[np.float64], table: Table
-) -> NDArray[np.float64]:
+def behind_drift(time: Array, motion: Array, table: Table) -> Array:
     """Return the motion that a transducer whose gain drifts has read.
 
     Parameters
@@ -192,9 +190,7 @@ def behind_drift(
     return np.array([place, speed, (motion[2] - 2.0 * rising * speed) / gain])
 
 
-def read_by_reference(
-    time: NDArray[np.float64], pressure: NDArray[np.float64], ambient: float, table: Table
-) -> NDArray[np.float64]:
+def read_by_reference(time: Array, pressure: Array, ambient: float, table: Table) -> Array:
     """Return what a transducer reads of a pressure while the reference of all of them drifts [Pa].
 
     Parameters
@@ -211,9 +207,7 @@ def read_by_reference(
     return ambient + _gain(time, table) * (pressure - ambient)
 
 
-def behind_reference(
-    time: NDArray[np.float64], readings: NDArray[np.float64], ambient: float, table: Table
-) -> NDArray[np.float64]:
+def behind_reference(time: Array, readings: Array, ambient: float, table: Table) -> Array:
     """Return the pressures behind what transducers read while the reference of all drifts [Pa].
 
     Parameters
@@ -230,7 +224,7 @@ def behind_reference(
     return ambient + (readings - ambient) / _gain(time, table)
 
 
-def gain_of_reference(time: NDArray[np.float64], table: Table) -> NDArray[np.float64] | float:
+def gain_of_reference(time: Array, table: Table) -> Array | float:
     """Return the gain that all transducers have in common by a drift of their reference [-].
 
     Parameters
@@ -243,9 +237,7 @@ def gain_of_reference(time: NDArray[np.float64], table: Table) -> NDArray[np.flo
     return _gain(time, table) if _is_of(REFERENCE, table) else 1.0
 
 
-def drifting_supply(
-    time: NDArray[np.float64], pressure: NDArray[np.float64], table: Table
-) -> NDArray[np.float64]:
+def drifting_supply(time: Array, pressure: Array, table: Table) -> Array:
     """Return the pressure of a source that drifts [Pa].
 
     Parameters

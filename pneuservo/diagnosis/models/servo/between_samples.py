@@ -5,9 +5,8 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.servo.command import (
     held_command,
     is_relay,
@@ -185,7 +184,7 @@ def _read_again(fed: Feed, rig: Rig) -> Feed:
     return with_spread(replace(fed, command=command, unseen=known), rig)
 
 
-def _jumps(voltage: Array) -> NDArray[np.bool_]:
+def _jumps(voltage: Array) -> Mask:
     """Return in which intervals a command jumps by more than its noise ever does."""
     return jumping(voltage) & (np.abs(np.diff(voltage)) > _NO_NOISE * noise_of_command(voltage))
 

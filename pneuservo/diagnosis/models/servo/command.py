@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.servo.gaps import GAP
 from pneuservo.diagnosis.models.servo.noisy_command import without_jumps
 from pneuservo.diagnosis.models.servo.set_point import AtOnce, beside
@@ -217,7 +216,7 @@ def as_it_may_have_been(command: Array, voltage: Array, rng: np.random.Generator
     return np.asarray(voltage[:, np.newaxis] + between * (other - voltage)[:, np.newaxis])
 
 
-def _switching_twice(switched: NDArray[np.bool_]) -> Array:
+def _switching_twice(switched: Mask) -> Array:
     """Return how likely each interval without a switch hides two, from how often others have one.
 
     As if switches came at random: an odd number of them shows in the samples, an even one not.

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.diagnosis.models.servo.noisy_command import bends_of
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
@@ -118,27 +118,27 @@ class Feed:
     voltage: Array
     command: Array
     unseen: Array
-    blind: NDArray[np.bool_]
+    blind: Mask
     set_point: Array
     gain_of_set_point: float
     reading: Array
     motion: Array
     pressures: Array
     measured: tuple[bool, ...]
-    read: NDArray[np.bool_]
+    read: Mask
     pressure_rates: Array
     supply: Array | None
     supply_reading: Array
     spool_reading: Array
     force: Array
     force_rms: float
-    held: NDArray[np.bool_]
+    held: Mask
     reversal: float
     velocity_rms: Array
-    touching: NDArray[np.bool_]
-    striking: NDArray[np.bool_]
+    touching: Mask
+    striking: Mask
     resting: NDArray[np.int64]
-    stuck: NDArray[np.bool_]
+    stuck: Mask
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
@@ -149,7 +149,7 @@ class Feed:
     in_steps: bool = False
     converted: bool = False
     of_noise: bool = False
-    jumps: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_), repr=False)
+    jumps: Mask = field(default_factory=lambda: np.empty(0, np.bool_), repr=False)
     heard: Array = field(default_factory=lambda: np.empty(0), repr=False)
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)

@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
 
@@ -67,7 +66,7 @@ def with_gaps_as_missing(recording: Recording) -> Recording:
     )
 
 
-def blind(time: Array, present: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def blind(time: Array, present: Mask) -> Mask:
     """Return where what was not recorded may still show.
 
     Parameters

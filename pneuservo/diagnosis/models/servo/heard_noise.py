@@ -1,9 +1,8 @@
 """The noise of the displacement's transducer that a loop hears, where it stays for an interval."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 
 ORDER = 4
 """Of differences: of a slow swing next to nothing is left, of noise all."""
@@ -13,7 +12,7 @@ _CERTAIN = 10.0
 """Standard errors that the gain of a loop has to be from none."""
 
 
-def gain_of_noise(voltage: Array, noise: Array, limited: NDArray[np.bool_]) -> float:
+def gain_of_noise(voltage: Array, noise: Array, limited: Mask) -> float:
     """Return what a loop takes off its command per metre of noise that it hears [V/m].
 
     Parameters

@@ -5,9 +5,8 @@ from dataclasses import replace
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.model import Case, Levels, Values
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.run_observer import run_observer
@@ -89,7 +88,7 @@ def compared(ways: Sequence[Sequence[Case]]) -> list[list[Case]]:
     ways : sequence of sequence of Case
         The same recordings in several readings.
     """
-    everywhere: dict[int, NDArray[np.bool_]] = {}
+    everywhere: dict[int, Mask] = {}
     for case in chain(*ways):
         judged = case.inputs["feed"].shares > 0.0
         everywhere[id(case.origin)] = everywhere.get(id(case.origin), True) & judged
@@ -118,13 +117,13 @@ def _seen(case: Case, values: Values) -> Iterator[tuple[str, Array, Array]]:
         yield "spool", squares[CHANNELS.index("spool")], fed.spool_shares
 
 
-def _level(squares: Array, shares: Array, calm: NDArray[np.bool_]) -> float:
+def _level(squares: Array, shares: Array, calm: Mask) -> float:
     seen = (shares > 0.0) & calm
     level = float(np.median(squares[seen])) / _MEDIAN if np.any(seen) else 1.0
     return level if level > _NO_MISFIT else 1.0
 
 
-def _calm(voltage: Array) -> NDArray[np.bool_]:
+def _calm(voltage: Array) -> Mask:
     """Return the half of the samples at which the command bends least."""
     curve = np.abs(np.diff(voltage, 2, prepend=voltage[0], append=voltage[-1]))
     bend = np.maximum(curve, np.concatenate([[0.0], curve[:-1]]))

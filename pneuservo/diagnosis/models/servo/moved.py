@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION, smooth_motion
 from pneuservo.diagnosis.models.servo.rests import chatters
@@ -131,7 +130,7 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     return with_spread(freed, rig)
 
 
-def _held(velocity: Array, slow: float, interval: float) -> NDArray[np.bool_]:
+def _held(velocity: Array, slow: float, interval: float) -> Mask:
     from scipy.ndimage import binary_opening
 
     width = max(2, round(HELD_FOR / interval))

@@ -1,9 +1,8 @@
 """What a command that is full of its loop's own noise does between its samples."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.model import Values
 from pneuservo.diagnosis.models.servo.heard_noise import ORDER
 
@@ -20,7 +19,7 @@ _LEAST_PARTS = 2
 """Of an interval, to bend in."""
 
 
-def made_of_noise(voltage: Array, noise: Array, usable: NDArray[np.bool_]) -> bool:
+def made_of_noise(voltage: Array, noise: Array, usable: Mask) -> bool:
     """Return whether what a command does from sample to sample is noise that its loop hears.
 
     Parameters
@@ -127,7 +126,7 @@ def bends_in(values: Values) -> tuple[float, ...]:
     return tuple(values.get(name, 0.0) for name in COMMAND_BENDS)
 
 
-def without_jumps(differences: Array) -> NDArray[np.bool_]:
+def without_jumps(differences: Array) -> Mask:
     """Return where differences of a noisy command are those of noise, and not of a jump.
 
     Parameters

@@ -1,8 +1,8 @@
 """Parts of a servo's recording that have a name."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pneuservo.arrays import Mask
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.rigs import Rig
 
@@ -20,7 +20,7 @@ AT_THE_END = 0.2
 """Share of the recorded stroke that counts as its end."""
 
 
-def regimes_of(feed: Feed, rig: Rig) -> dict[str, NDArray[np.bool_]]:
+def regimes_of(feed: Feed, rig: Rig) -> dict[str, Mask]:
     """Return phrases that name parts of a recording, with the samples they cover.
 
     Parameters
@@ -58,7 +58,7 @@ def regimes_of(feed: Feed, rig: Rig) -> dict[str, NDArray[np.bool_]]:
     }
 
 
-def _after_jumps(feed: Feed, jump: float) -> NDArray[np.bool_]:
+def _after_jumps(feed: Feed, jump: float) -> Mask:
     steps = np.abs(np.diff(feed.voltage, prepend=feed.voltage[0]))
     moments = feed.time[steps > jump]
     if not len(moments):

@@ -5,9 +5,8 @@ from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.model import (
     Case,
     Levels,
@@ -275,7 +274,7 @@ class ServoModel(Model):
         # A displacement in one direction is the same one.
         return {name: values for name, values in recorded if " while " not in name}
 
-    def regimes(self, case: Case) -> dict[str, NDArray[np.bool_]]:
+    def regimes(self, case: Case) -> dict[str, Mask]:
         """Return parts of the recording by motion, place, opening, pressure ratio and time."""
         return regimes_of(case.inputs["feed"], case.rig)
 

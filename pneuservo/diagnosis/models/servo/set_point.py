@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 
 _AVERAGED = 40e-3
 """Everything is averaged twice over this before a loop is asked for its gain: what velocity and
@@ -42,7 +41,7 @@ class AtOnce:
     """
 
     added: Array
-    unknown: NDArray[np.bool_]
+    unknown: Mask
 
 
 def at_once(voltage: Array, demand: Array, gain: float, in_steps: bool = False) -> AtOnce:
@@ -148,7 +147,7 @@ def gain_of_set_point(time: Array, voltage: Array, demand: Array, displacement: 
     return float(shares[0] / sizes[0]) if tells else 0.0
 
 
-def jumping(demand: Array) -> NDArray[np.bool_]:
+def jumping(demand: Array) -> Mask:
     """Return in which intervals a set point jumps: it moves there and in neither neighbour.
 
     Parameters
@@ -172,7 +171,7 @@ def beside(moves: Array) -> Array:
     return np.maximum(np.append(0.0, moves[:-1]), np.append(moves[1:], 0.0))
 
 
-def at_its_limit(voltage: Array) -> NDArray[np.bool_]:
+def at_its_limit(voltage: Array) -> Mask:
     """Return where a command is at its limit, and stays there for some samples.
 
     Parameters

@@ -1,9 +1,8 @@
 """How fast what is known of a pressure fades, and how sure it is where a spool should be."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.servo.command import followed_by_spool, settling_time
 from pneuservo.noise import LIKELY_WANDER, WANDER_TIME
 from pneuservo.plant.single_axis import SingleAxis
@@ -28,9 +27,9 @@ MOTION_MEMORY_AT_REST = 0.05
 def spread_of_pressures(
     time: Array,
     unseen: Array,
-    blind: NDArray[np.bool_],
-    striking: NDArray[np.bool_],
-    held: NDArray[np.bool_],
+    blind: Mask,
+    striking: Mask,
+    held: Mask,
     noise: dict[str, float],
     velocity_rms: Array,
     motion_memory: float,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pneuservo.arrays import Array
+from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.servo.rests import averaged
 
 NEAR_STOP = 5e-4
@@ -25,7 +25,7 @@ APART = 0.1
 not fade within a rest: all moments of one count as much as one."""
 
 
-def around(moments: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
+def around(moments: Mask, interval: float) -> Mask:
     """Return the time round some moments during which the motion is not known well.
 
     Parameters
@@ -40,7 +40,7 @@ def around(moments: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
     return np.asarray(binary_dilation(moments, np.ones(2 * max(1, round(IMPACT / interval)) + 1)))
 
 
-def touching(displacement: Array, interval: float, stroke: float) -> NDArray[np.bool_]:
+def touching(displacement: Array, interval: float, stroke: float) -> Mask:
     """Return when the piston may touch a stop, where a force acts that nothing tells.
 
     Parameters
@@ -56,7 +56,7 @@ def touching(displacement: Array, interval: float, stroke: float) -> NDArray[np.
 
 def resting(
     displacement: Array,
-    still: NDArray[np.bool_],
+    still: Mask,
     force: Array,
     friction: float,
     interval: float,
@@ -87,7 +87,7 @@ def resting(
     return np.asarray(found - binary_opening(retracted, window))
 
 
-def judged_at_rest(stuck: NDArray[np.bool_], interval: float) -> NDArray[np.bool_]:
+def judged_at_rest(stuck: Mask, interval: float) -> Mask:
     """Return the moments at which the force on a piston at rest is judged.
 
     Parameters
@@ -114,7 +114,7 @@ def judged_at_rest(stuck: NDArray[np.bool_], interval: float) -> NDArray[np.bool
     return found
 
 
-def moments_of_rest(stuck: NDArray[np.bool_], interval: float) -> Array:
+def moments_of_rest(stuck: Mask, interval: float) -> Array:
     """Return at how many moments the rest is judged that each sample is part of, at least 1.
 
     Parameters
@@ -133,9 +133,7 @@ def moments_of_rest(stuck: NDArray[np.bool_], interval: float) -> Array:
     return found
 
 
-def _judged_in_each_rest(
-    stuck: NDArray[np.bool_], interval: float
-) -> list[tuple[int, int, NDArray[np.int_]]]:
+def _judged_in_each_rest(stuck: Mask, interval: float) -> list[tuple[int, int, NDArray[np.int_]]]:
     """Return where each rest begins and ends, and the moments at which it is judged."""
     unsure, apart = round(UNSURE / interval), max(1, round(APART / interval))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
