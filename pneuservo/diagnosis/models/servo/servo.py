@@ -38,6 +38,7 @@ from pneuservo.diagnosis.models.servo.trust import (
     steadily,
     surer_of_command,
     unsure,
+    unsure_of_approach,
     unsure_of_rest,
 )
 from pneuservo.effects import Effect
@@ -183,14 +184,18 @@ class ServoModel(Model):
         rang by 10 um before it stuck left so much that a command which was held was likelier, by
         757, one that ran on, for what that does between its samples excuses as much. Nor would it
         do to follow recordings so: what is that unsure of a piston at rest does not see it leak.
-        Nor must what a noisy command may have done between its samples, and did not: one that a
-        card had smoothed was likelier held, by 247, with its spool five tolerances too fast, for
-        both missed the pressures by as little, and only one had allowed for more.
+        Nor must how one comes to rest: by stops and goes of a piston that comes slowly two loops on
+        a computer were likelier by 132 and 160 as ones that run on, which allows for more between
+        their samples (now less likely by 220 and 460). Nor must what a noisy command may have
+        done between its samples, and did not: one that a card had smoothed was likelier held, by
+        247, with its spool five tolerances too fast, for both missed the pressures by as little,
+        and only one had allowed for more.
         """
         steady = self.trusted(cases)
         unsure_ways = [_followed(cases, way) for way in (unsure, unsure_of_rest)]
         surer_ways = [_followed(way, surer_of_command) for way in (cases, steady)]
-        return _different([cases, steady, *unsure_ways, *surer_ways])
+        stopping = _followed(steady, unsure_of_approach)
+        return _different([cases, steady, *unsure_ways, stopping, *surer_ways])
 
     def trusted(self, cases: Sequence[Case]) -> list[Case]:
         """Return the cases with next to no unmodelled force."""

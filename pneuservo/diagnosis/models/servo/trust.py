@@ -108,3 +108,16 @@ def unsure_of_rest(fed: Feed, rig: Rig) -> Feed:
         motion_memory=MOTION_MEMORY_AT_REST,
     )
     return with_spread(unsure, rig)
+
+
+def unsure_of_approach(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed whose piston may stop and go on while it comes to rest, or creeps.
+
+    Parameters
+    ----------
+    fed, rig
+        As in `steadily`.
+    """
+    still = fed.held & ~fed.touching
+    speed = np.where(still, np.abs(fed.motion[1]), 0.0)
+    return with_spread(replace(fed, velocity_rms=np.hypot(fed.velocity_rms, speed)), rig)
