@@ -175,7 +175,8 @@ def observe(
     feels, is the observer's own: with the noise of a smoothed one damping would look too small.
     While the motion is taken over it is the smoothed speed, and how well that is known counts. The
     zeros of the three transducers wander and are followed too, but that of the displacement at a
-    stop, whose place tells it: left out, they pretend more of slow effects than real ones show.
+    stop, which is followed in what is left there (`run_observer`): left out, they pretend more of
+    slow effects than real ones show.
     """
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((3, n)), np.zeros(n), np.zeros(n)

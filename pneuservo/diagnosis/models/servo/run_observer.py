@@ -152,7 +152,8 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     for side in (-1, 1):
         # One stop that is not where it should be says nothing of the other.
         there = fed.resting == side
-        place[there] = beyond_wander(fed.time, np.where(there, place, np.nan))[there]
+        if there.any():
+            place[there] = beyond_wander(fed.time, np.where(there, place, np.nan))[there]
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
         expected = _expected_supply(fed, values, known, drawn)
