@@ -18,6 +18,8 @@ from pneuservo.thinning import thinned
 _FITS = (("baseline, re-fitted", BASELINE), ("repaired", REPAIRED))
 _CLOSE = 5.0
 """Residuals within this factor of the noise are drawn on a linear axis."""
+_CLEARLY = 2.0
+"""Forces at rest that are off by so many times what they may be are clearly wrong."""
 _CHAINS = {
     "dead-volume": ("supply", "valve.flow", "dead-volume", "sensor.pressure"),
     "seal-tester": ("chamber.a", "piston", "load"),
@@ -75,7 +77,7 @@ def diagnosis_figures(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
     if at_rest is not None:
         case = search.cases[at_rest]
         picture = draw(_forces_at_rest, diagnosis, case, fits, at_rest, size=(9.0, 3.6))
-        curves.insert(0, (_slipping_in_words(case, fits, at_rest), picture))
+        curves.insert(0, (_at_rest_in_words(case, fits, at_rest), picture))
     alone = search.ledger[0].rms if search.ledger else {}
     rivals = None
     if alone:
@@ -105,18 +107,18 @@ def _mended_at_rest(cases: Sequence[Case], before: Fit, after: Fit) -> int | Non
     return None if cases[most].recorded else most
 
 
-def _slipping_in_words(case: Case, fits: tuple[Fit, Fit], index: int) -> str:
-    before, after = (_count_slipping(found.residuals[index]) for found in fits)
+def _at_rest_in_words(case: Case, fits: tuple[Fit, Fit], index: int) -> str:
+    before, after = (_clearly_off(found.residuals[index]) for found in fits)
     return (
-        f"{case.recording.title or case.recording.name} (used): the piston rests though the force "
-        f"on it is clearly more than friction can hold at {before} of "
+        f"{case.recording.title or case.recording.name} (used): the piston rests under a force, or "
+        f"breaks away at one, that is clearly not what friction can hold at {before} of "
         f"{np.count_nonzero(case.usable)} moments in the re-fitted baseline, at {after} repaired"
     )
 
 
-def _count_slipping(residual: Any) -> int:
-    """Return at how many moments the force is too large by more than it may be wrong by."""
-    return int(np.count_nonzero(np.abs(residual) > 1.0))
+def _clearly_off(residual: Any) -> int:
+    """Return at how many moments the force is off by more than it may be wrong by."""
+    return int(np.count_nonzero(np.abs(residual) > _CLEARLY))
 
 
 def _forces_at_rest(

@@ -296,6 +296,13 @@ class Model:
         """
         return [list(cases)]
 
+    def moved(self, cases: Sequence[Case], values: Sequence[Values]) -> list[list[Case]]:
+        """Return the cases as they are, and moved as what was found of their rig lets them.
+
+        Values are given one per case; those of a recording are together, as many as are judged.
+        """
+        return [list(cases)]
+
     def told(self, cases: Sequence[Case], used: Sequence[Case]) -> list[Case]:
         """Return cases that were held back, what only they tell of the rig not judged."""
         return list(cases)

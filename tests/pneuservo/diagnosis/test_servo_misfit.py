@@ -28,6 +28,7 @@ def feed_of(voltage, moments_of_rest=None, displacement_noise=1e-6):
         voltage=voltage,
         interval=1e-3,
         moments_of_rest=moments_of_rest,
+        breaks_away=np.empty(0, dtype=int),
         pressures=np.full((2, samples), 4e5),
         motion=np.full((3, samples), 0.5 * RIG["piston.stroke"]),
         noise={"displacement": displacement_noise, "pressure_a": 200.0, "pressure_b": 200.0},

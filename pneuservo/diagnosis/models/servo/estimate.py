@@ -32,6 +32,21 @@ def with_observer(fed: Feed, rig: Rig) -> Feed:
     return with_gains(with_pressures(fed, rig), rig)
 
 
+def as_it_moves(fed: Feed, rig: Rig) -> Feed:
+    """Return a feed whose motion is smoothed again, with another rig's friction and mass.
+
+    Parameters
+    ----------
+    fed : Feed
+        What the observer is fed with.
+    rig : Rig
+        Its numbers decide how the piston moves.
+    """
+    if all(fed.measured):
+        return moved_by(fed, rig, fed.spread_of_force)
+    return with_pressures(fed, rig)
+
+
 def with_pressures(fed: Feed, rig: Rig) -> Feed:
     """Return a feed with the missing pressures estimated.
 
@@ -63,6 +78,6 @@ def with_gains(fed: Feed, rig: Rig) -> Feed:
     rig : Rig
         The baseline.
     """
-    gains, shares, _, _, decays = learn_to_observe(fed, rig)
+    gains, shares, _, known, decays = learn_to_observe(fed, rig)
     steps = steps_along(fed.time, fed.command, rig["valve.full_voltage"], decays)
-    return replace(fed, gains=gains, shares=shares, steps=steps)
+    return replace(fed, gains=gains, shares=shares, force_spread=known, steps=steps)

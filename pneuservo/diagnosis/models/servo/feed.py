@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.recent import Recent
+from pneuservo.diagnosis.models.servo.breakaway import Departures
 from pneuservo.diagnosis.models.servo.noisy_command import bends_of
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY
-from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST, moments_of_rest
+from pneuservo.diagnosis.models.servo.stops import moments_of_rest
 from pneuservo.noise import LIKELY_WANDER
 
 PRESSURES = ("pressure_a", "pressure_b")
@@ -89,7 +90,9 @@ class Feed:
     resting : (n,) array of int
         At which stop it rests: -1 the retracted, 1 the extended, 0 none.
     stuck : (n,) array of bool
-        While nothing but friction holds the piston.
+        While nothing but friction holds the piston ...
+    departures : Departures
+        ... and when it has left such a place.
     spread : (2, n) array
         Variance that each interval adds to what is known of each pressure [Pa^2].
     noise : mapping of str to float
@@ -110,6 +113,8 @@ class Feed:
         Noise of each reading over the spread of its innovation.
     spool_shares : (n,) array
         The same of the spool's readings; empty where there are none.
+    force_spread : (n,) array
+        How well the observer tells the force on the piston [N].
     steps : (n,) array of int
         Into how many steps each interval is divided, see `pneuservo.diagnosis.models.servo.steps`.
     """
@@ -139,6 +144,7 @@ class Feed:
     striking: Mask
     resting: NDArray[np.int64]
     stuck: Mask
+    departures: Departures
     spread: Array
     noise: dict[str, float]
     spread_of_force: float
@@ -154,6 +160,7 @@ class Feed:
     gains: Array = field(default_factory=lambda: np.empty(0), repr=False)
     shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
     spool_shares: Array = field(default_factory=lambda: np.empty(0), repr=False)
+    force_spread: Array = field(default_factory=lambda: np.empty(0), repr=False)
     steps: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64), repr=False)
 
     @property
@@ -183,16 +190,31 @@ class Feed:
         """Return the time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    @cached_property
-    def force_rms_at_rest(self) -> float:
-        """Return how well averages of what was measured tell the force on a piston at rest [N]."""
-        samples = averaged_samples(self.interval, AVERAGED_AT_REST)
+    def averaged_force_rms(self, over: float) -> float:
+        """Return how well averages of what was measured tell the force on the piston [N].
+
+        Parameters
+        ----------
+        over : float
+            Time that is averaged over [s].
+        """
+        samples = averaged_samples(self.interval, over)
         return self.spread_of_force * math.sqrt(1.0 / samples + LIKELY_WANDER**2)
 
     @cached_property
     def moments_of_rest(self) -> Array:
-        """Return at how many moments the rest is judged that each sample is part of."""
-        return moments_of_rest(self.stuck, self.interval)
+        """Return at how many moments the rest is judged that each sample is part of.
+
+        That at which the piston breaks away is judged for itself.
+        """
+        found = moments_of_rest(self.stuck, self.interval)
+        found[self.breaks_away] = 1.0
+        return found
+
+    @cached_property
+    def breaks_away(self) -> NDArray[np.int_]:
+        """Return the samples at which the force is judged at which a piston breaks away."""
+        return self.departures.at.astype(int)
 
     def noise_of(self, channels: Sequence[str]) -> Array:
         """Return the noise of some channels, one of those that were not recorded [SI]."""

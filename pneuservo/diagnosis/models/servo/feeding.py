@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.arrays import Array, bridged
+from pneuservo.diagnosis.models.servo.breakaway import NOWHERE
 from pneuservo.diagnosis.models.servo.command import running_command, unseen
 from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, PRESSURES, SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.gaps import blind
@@ -91,6 +92,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         striking=np.zeros(len(time), dtype=bool),
         resting=np.zeros(len(time), dtype=np.int64),
         stuck=np.zeros(len(time), dtype=bool),
+        departures=NOWHERE,
         spread=np.zeros((2, len(time))),
         noise=noise,
         spread_of_force=spread_of_force,

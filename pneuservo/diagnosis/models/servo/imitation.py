@@ -8,6 +8,7 @@ from pneuservo.arrays import Array
 from pneuservo.controllers import Proportional
 from pneuservo.diagnosis.models.model import Case, Values
 from pneuservo.diagnosis.models.servo.between_samples import read_alike
+from pneuservo.diagnosis.models.servo.breakaway import as_in
 from pneuservo.diagnosis.models.servo.command import as_it_may_have_been
 from pneuservo.diagnosis.models.servo.estimate import with_pressures
 from pneuservo.diagnosis.models.servo.feed import SUPPLY, Feed
@@ -153,6 +154,7 @@ def imitated(
         # It comes to rest at times of its own; only what both tell is judged.
         held=np.where(fed.resting != 0, fed.held, copy.held),
         stuck=copy.stuck & fed.stuck,
+        departures=as_in(fed.departures, copy.departures, fed.interval),
     )
 
 

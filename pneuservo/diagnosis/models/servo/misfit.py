@@ -237,8 +237,11 @@ def _lost_rest(cases: Sequence[Case], residuals: Sequence[Array]) -> Misfit | No
     for case, residual in zip(cases, residuals, strict=True):
         if case.channel == AT_REST:
             fed: Feed = case.inputs["feed"]
-            rests = float(np.sum(1.0 / fed.moments_of_rest[case.usable]))
-            square = float(np.sum(residual**2))
+            # When it breaks away it rests no more.
+            at_rest = case.usable.copy()
+            at_rest[fed.breaks_away] = False
+            rests = float(np.sum(1.0 / fed.moments_of_rest[at_rest]))
+            square = float(np.sum(residual[at_rest[case.usable]] ** 2))
             if square > _LOST_REST**2 * rests:
                 squares.append(square)
     if not squares:

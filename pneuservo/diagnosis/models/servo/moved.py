@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pneuservo.arrays import Array, Mask
+from pneuservo.diagnosis.models.servo.breakaway import NOWHERE, departures
 from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION, smooth_motion
 from pneuservo.diagnosis.models.servo.rests import chatters
@@ -82,6 +83,7 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         striking=near & around(np.abs(motion[1]) > slow, interval),
         resting=rests,
         stuck=stuck,
+        departures=departures(motion, still | near, stuck, fed.noise["displacement"], interval),
         chatter=chatter,
     )
     return with_spread(moved, rig)
@@ -126,7 +128,7 @@ def held_at_stops(fed: Feed, rig: Rig) -> Feed:
     """
     rests = np.where(fed.touching, fed.resting, 0)
     stuck = np.zeros_like(fed.stuck)
-    freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck)
+    freed = replace(fed, held=fed.touching, resting=rests, stuck=stuck, departures=NOWHERE)
     return with_spread(freed, rig)
 
 

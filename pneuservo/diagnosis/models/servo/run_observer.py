@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.model import Values
+from pneuservo.diagnosis.models.servo.breakaway import UNEVEN, forces_at_breakaway
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.measured_spool import (
@@ -14,7 +15,7 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
     beyond_expected,
 )
 from pneuservo.diagnosis.models.servo.noisy_command import bends_in, bent
-from pneuservo.diagnosis.models.servo.observer import observe
+from pneuservo.diagnosis.models.servo.observer import behind_the_rod, observe
 from pneuservo.diagnosis.models.servo.rests import averaged
 from pneuservo.diagnosis.models.servo.spool import MOVED, follow_spool
 from pneuservo.diagnosis.models.servo.steps import FINEST, Steps, dividing, steps_beside
@@ -35,6 +36,7 @@ from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state
 from pneuservo.plant.servo.supply_effects import SupplyEffects
 from pneuservo.plant.servo.transducers import true_motion, true_pressures
+from pneuservo.plant.servo.unexplained_effects import Table
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
     PLANT_STATES,
@@ -56,8 +58,6 @@ COMMAND_DELAY = "command_delay"
 REVERSAL = "reversal"
 """Speed over which friction turns round, as a multiple of the resolution of the velocity [-]."""
 
-UNEVEN = 0.1
-"""Share by which friction at rest differs from place to place, and its laws in form."""
 ASTRAY = 1e3
 """Innovations are never larger than so many times the noise: a fit turns back from values with
 which the observer runs away, but can make nothing of numbers that are not finite."""
@@ -135,7 +135,8 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     (6, n) array
         Both pressures, displacement, supply and spool as the transducers read them, SI; zeros
         where nothing was measured. The last row is the force beyond what friction can hold while it
-        holds the piston, in how well that force is known. Nothing is more than `ASTRAY`.
+        holds the piston, and where it lets it go how far the force is from that, in how well that
+        is known. Nothing is more than `ASTRAY`.
 
     Notes
     -----
@@ -143,7 +144,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     own channel alone.
     """
     known = numbers(values, rig)
-    left, path, _, drawn, at_rest, _ = _observe(
+    (left, path, _, drawn, at_rest, _), breaking = _observe(
         fed, values, known, rig, fed.gains, fed.shares, learning=False
     )
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
@@ -163,11 +164,21 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
         zero, gain = values.get(SPOOL_ZERO, 0.0), values.get(SPOOL_GAIN, 1.0)
         most = ASTRAY * fed.noise["spool"]
         spool = np.clip(beyond_expected(fed, path[2], zero, gain), -most, most)
-    force, holding = at_rest
-    spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
+    friction = _within(_excess_at_rest(fed, *at_rest), ASTRAY)
+    friction[fed.breaks_away] = _within(_excess_at_breakaway(fed, *breaking), ASTRAY)
+    return np.vstack([left, beyond, spool, friction])
+
+
+def _excess_at_rest(fed: Feed, force: Array, holding: Array) -> Array:
+    """Return the force beyond what friction can hold, in how well that is known."""
+    spread = np.maximum(np.hypot(fed.averaged_force_rms(AVERAGED_AT_REST), UNEVEN * holding), 1e-9)
     spread *= np.sqrt(fed.moments_of_rest)
-    excess = np.copysign(np.maximum(np.abs(force) - holding, 0.0), force)
-    return np.vstack([left, beyond, spool, _within(excess / spread, ASTRAY)])
+    return np.copysign(np.maximum(np.abs(force) - holding, 0.0), force) / spread
+
+
+def _excess_at_breakaway(fed: Feed, force: Array, holding: Array, spread: Array) -> Array:
+    """Return by how much a piston breaks away at more than friction holds, in what that may be."""
+    return fed.departures.side * (force - holding) / np.maximum(spread, 1e-9)
 
 
 def _within(left: Array, farthest: Array | float) -> Array:
@@ -186,10 +197,15 @@ def forces_at_rest(fed: Feed, values: Values, rig: Rig) -> Array:
     Returns
     -------
     (2, n) array
-        The force positive towards extension; zeros where the piston is not known to rest [N].
+        The force positive towards extension; zeros where the piston is not known to rest [N]. At
+        the last sample of a rest they are those at which it breaks away.
     """
     known = numbers(values, rig)
-    *_, at_rest, _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    (*_, at_rest, _), breaking = _observe(
+        fed, values, known, rig, fed.gains, fed.shares, learning=False
+    )
+    force, holding, _ = breaking
+    at_rest[:, fed.breaks_away] = fed.departures.side * force, holding
     return at_rest
 
 
@@ -202,7 +218,7 @@ def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
         As in `run_observer`, of a recording in which the supply was measured.
     """
     known = numbers(values, rig)
-    *_, drawn, _, _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    (*_, drawn, _, _), _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
     return _expected_supply(fed, values, known, drawn)
 
 
@@ -240,7 +256,7 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, A
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, GAIN_ROWS, 3)), np.zeros((samples, 3))
-    _, path, known, _, _, decays = _observe(
+    (_, path, known, _, _, decays), _ = _observe(
         fed, {}, numbers({}, rig), rig, gains, shares, learning=True
     )
     return gains, shares, path, known, decays
@@ -254,7 +270,8 @@ def _observe(
     gains: Array,
     shares: Array,
     learning: bool,
-) -> tuple[Array, Array, Array, Array, Array, Array]:
+) -> tuple[tuple[Array, ...], Array]:
+    """Return what `observe` returns, and the forces at which the piston breaks away."""
     plant, effects = known
     if fed.supply is not None:
         effects = effects._replace(supply=SupplyEffects())
@@ -279,7 +296,7 @@ def _observe(
         if fed.supply is not None:
             fields = {field for field in fields if not field.startswith("supply.")}
         steps = steps_beside(fed.steps, fed.time, fields)
-    found: tuple[Array, Array, Array, Array, Array, Array] = observe(
+    found: tuple[Array, ...] = observe(
         fed.time,
         command,
         np.vstack([taken_by_then(read, late), fed.reading]),
@@ -311,6 +328,38 @@ def _observe(
         _moves_of_spool(fed, command, values, servo, float(state[SPOOL]), steps),
     )
     found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
+    if learning:
+        return found, np.empty((3, 0))
+    return found, _breaking_away(fed, motion, found[1], force, servo, state, drift_of(effects))
+
+
+def _breaking_away(
+    fed: Feed,
+    motion: Array,
+    path: Array,
+    force: Array,
+    servo: Servo,
+    state: Array,
+    drift: Table | None,
+) -> Array:
+    """Return at which force the piston breaks away, as `forces_at_breakaway`."""
+    left = fed.departures
+    if not left.at.size:
+        return np.empty((3, 0))
+    first, gone = left.first.astype(int), left.gone.astype(int)
+    behind = behind_the_rod(fed.motion[0], fed.held, servo.effects.sensor.wiper_play)
+    found: Array = forces_at_breakaway(
+        left,
+        fed.time,
+        path,
+        averaged(force, fed.interval),
+        np.hypot(fed.force_spread[fed.breaks_away], fed.force_rms),
+        motion[0],
+        np.abs(motion[0, gone] - motion[0, first] + behind[gone] - behind[first]),
+        state.copy(),
+        servo,
+        drift,
+    )
     return found
 
 

@@ -28,7 +28,12 @@ from pneuservo.diagnosis.models.servo.imitation import imitation_of
 from pneuservo.diagnosis.models.servo.likelihood import deviance_of, innovations, levels_of
 from pneuservo.diagnosis.models.servo.misfit import misfit_of
 from pneuservo.diagnosis.models.servo.nuisances import nuisances_of
-from pneuservo.diagnosis.models.servo.reading import FEWEST, in_each_way, read
+from pneuservo.diagnosis.models.servo.reading import (
+    FEWEST,
+    in_each_way,
+    moved_as_found,
+    read,
+)
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import forces_at_rest
 from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
@@ -161,6 +166,10 @@ class ServoModel(Model):
         does one that is unsure of the motion: that is for what moves unseen alone.
         """
         return _different([cases, self.trusted(cases), _followed(cases, unsure)])
+
+    def moved(self, cases: Sequence[Case], values: Sequence[Values]) -> list[list[Case]]:
+        """Return the cases as they are, and with motions smoothed by what was found of the rig."""
+        return moved_as_found(cases, values, self._looks_for_rests)
 
     def told(self, cases: Sequence[Case], used: Sequence[Case]) -> list[Case]:
         """Return cases that were held back; where a stop is that was never reached is not judged.
