@@ -1,9 +1,11 @@
 """Writing files whole or not at all."""
 
 import errno
+import fcntl
 import os
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from analog_card.errors import InputError
@@ -77,6 +79,37 @@ def require_writable(folder: Path) -> None:
     existing = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     with tempfile.TemporaryFile(dir=existing):
         pass
+
+
+@contextmanager
+def alone_in(folder: str | Path) -> Iterator[None]:
+    """Keep other processes out of a folder, as far as they ask.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Made when missing. It is free again when the process ends, however that happens.
+
+    Raises
+    ------
+    InputError
+        When another process is in it.
+    OSError
+        When it cannot be made.
+    """
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as problem:
+            raise InputError(
+                f"{folder}: another run is at work in it; wait until it has ended, or name another "
+                "folder"
+            ) from problem
+        yield
+    finally:
+        os.close(held)
 
 
 def write_files(folder: str | Path, contents: Mapping[str, str | bytes]) -> list[Path]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from analog_card.console import Count, progress
-from analog_card.files import write_whole
+from analog_card.files import alone_in, write_whole
 from pneuservo.challenge.sizes import FULL, QUICK
 from pneuservo.naming import require_known
 
@@ -87,14 +87,16 @@ def command(
     if wanted is None and not (out / "plan.json").exists():
         wanted = FULL
     others = [open_trial(folder, None, None) for folder in beside]
-    trial = open_trial(out, wanted, seed)
-    with progress((2 + len(without)) * trial.cases) as step:
-        make_cases(trial, jobs, step)
-        if make_only:
-            click.echo(f"{trial.cases} cases with seed {trial.seed}: {out / 'cases'}", err=as_json)
-            return
-        for part in ("", *without):
-            diagnose_cases(trial, jobs, step, part)
+    with alone_in(out):
+        trial = open_trial(out, wanted, seed)
+        with progress((2 + len(without)) * trial.cases) as step:
+            make_cases(trial, jobs, step)
+            if make_only:
+                made = f"{trial.cases} cases with seed {trial.seed}: {out / 'cases'}"
+                click.echo(made, err=as_json)
+                return
+            for part in ("", *without):
+                diagnose_cases(trial, jobs, step, part)
     judged = judge_cases(trial)
     found = summary(trial, judged)
     text = json.dumps(found, indent=2)

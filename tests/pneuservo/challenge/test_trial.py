@@ -5,6 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
+from analog_card.files import alone_in
 from pneuservo.challenge import trial as trial_module
 from pneuservo.challenge.answers import Answer
 from pneuservo.challenge.classes import classmates
@@ -363,6 +364,17 @@ def test_a_folder_with_another_trial_is_refused(small):
     assert outcome.exit_code == 2
     assert "3 cases with seed 5" in outcome.output
     assert "Traceback" not in outcome.output
+
+
+def test_two_runs_do_not_share_a_folder(tmp_path):
+    # Both made the same cases, and the keys of the one were not those that the other had promised.
+    with alone_in(tmp_path):
+        run = CliRunner().invoke(main, ["challenge", "--quick", "--out", str(tmp_path)])
+    assert run.exit_code == 2
+    assert "another run is at work in it" in run.stderr
+    assert not list(tmp_path.iterdir())
+    with alone_in(tmp_path):
+        pass
 
 
 def test_changed_keys_are_noticed(small):
