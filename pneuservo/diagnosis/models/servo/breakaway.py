@@ -27,9 +27,9 @@ _BEFORE = 0.06
 _AFTER = 0.1
 """... and has left its place within this time [s] ..."""
 _LEFT = 5.0
-"""... by so many times the noise of its displacement ..."""
+"""... by so many times the noise of its displacement and what friction may give way by ..."""
 _PLACE_KNOWN = 0.4
-"""... to this share of which the smoothed displacement is known then."""
+"""... to this share of which noise the smoothed displacement is known then."""
 _AS_FAR = 1.0 - 1e-9
 """One that goes too early waits until it is pushed, and comes as far."""
 
@@ -78,15 +78,16 @@ def departures(
     >>> stuck = np.arange(600) < 410
     >>> found = departures(motion, stuck, stuck, 1e-5, 1e-3)
     >>> [float(part[0]) for part in found[:5]]
-    [0.0, 409.0, 350.0, 406.0, 1.0]
+    [0.0, 409.0, 350.0, 408.0, 1.0]
     """
+    far = _LEFT * math.hypot(noise_rms, _GIVES_WAY)
     before, after = round(_BEFORE / interval), round(_AFTER / interval)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
     found = []
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
         first = max(begin, end - before)
         way = motion[0, first : end + after] - motion[0, first]
-        left = np.flatnonzero(np.abs(way) > _LEFT * noise_rms)
+        left = np.flatnonzero(np.abs(way) > far)
         if end - begin < _RESTED / interval or end == len(stuck) or not len(left):
             continue
         gone, side = first + int(left[0]), float(np.sign(way[left[0]]))
