@@ -160,8 +160,8 @@ def only_followed(
 ) -> set[int]:
     """Return the recordings of which a channel that a model may follow is left far below its noise.
 
-    Where the command stands still but for jumps it is known what drove the rig: steep pressures may
-    then have passed for noise (530 Pa of 380, against an end stop).
+    Where it is known what drove the rig between samples it is not only followed: steep pressures
+    may have passed for noise (530 Pa of 380, against an end stop).
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def only_followed(
         for case, residual, size in zip(cases, found.residuals, noise, strict=True)
         if case.channel in model.follows
         and rms([residual]) <= FOLLOWED * size
-        and not model.stored(case)
+        and not model.is_known_between_samples(case)
     }
 
 

@@ -322,6 +322,10 @@ class Model:
         """Return whether what drives the rig stands still but for jumps, as what is stored does."""
         return False
 
+    def is_known_between_samples(self, case: Case) -> bool:
+        """Return whether what drives the rig is known between its samples as well."""
+        return self.stored(case)
+
     def levels(self, cases: Sequence[Case], values: Sequence[Values]) -> Levels:
         """Return how large a misfit is all over, by recording and channel, in its noise squared."""
         raise NotImplementedError

@@ -114,17 +114,23 @@ def test_beside_noise_that_is_heard_a_wrong_parameter_is_one(rig):
 
 
 @pytest.mark.parametrize(
-    ("command", "level", "followed"),
-    [("chatter", 1.0, False), ("chatter", 0.5, True), ("steps", 0.5, False)],
+    ("command", "ramped", "level", "followed"),
+    [
+        ("chatter", True, 1.0, False),
+        ("chatter", True, 0.5, True),
+        ("steps", True, 0.5, False),
+        # Held from sample to sample, nothing of it is unknown.
+        ("chatter", False, 0.5, False),
+    ],
 )
-def test_a_pressure_far_below_its_noise_was_only_followed(command, level, followed):
+def test_a_pressure_far_below_its_noise_was_only_followed(command, ramped, level, followed):
     times = np.arange(40)
     voltage = (
         np.sin(2.0 * times)
         if command == "chatter"
         else np.array([0.0, 1.0, -2.0, 3.0])[times // 10]
     )
-    inputs = {"feed": SimpleNamespace(voltage=voltage)}
+    inputs = {"feed": SimpleNamespace(voltage=voltage, ramped=ramped)}
     cases = [
         SimpleNamespace(channel=name, origin=None, inputs=inputs)
         for name in ("pressure_a", "spool")

@@ -159,6 +159,14 @@ class ServoModel(Model):
         still = np.mean(np.diff(voltage)[inside] == 0.0) if inside.any() else 0.0
         return bool(still > _STANDS_STILL) and not is_relay(voltage)
 
+    def is_known_between_samples(self, case: Case) -> bool:
+        """Return whether the command is held from sample to sample, or stands still but for jumps.
+
+        Where the motion or another pressure is not known well, a held one's pressure may be left at
+        less than its noise all the same: a relay's at 0.66, with the other pressure missing.
+        """
+        return not case.inputs["feed"].ramped or self.stored(case)
+
     def followed(self, cases: Sequence[Case]) -> list[list[Case]]:
         """Return the cases with as much of an unmodelled force as ever, with little, and unsure.
 
