@@ -10,7 +10,6 @@ from pneuservo.diagnosis.models.servo.advance import followed
 from pneuservo.diagnosis.models.servo.push import balance_at_rest, push
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.drift import drifted_by
-from pneuservo.plant.servo.load_effects import rigid_mass
 from pneuservo.plant.single_axis import DISPLACEMENT, PRESSURE_A, PRESSURE_B
 
 UNEVEN = 0.1
@@ -134,15 +133,15 @@ def forces_at_breakaway(
         As the observer follows them: averages of what was measured would begin to change before
         they do [Pa].
     external_force : (n,) array
-        At the rod, positive when it resists extension [N].
+        At the rod and of what the piston carries, positive when it resists extension [N].
     force_rms : (m,) array
         How well pressures and rod tell the force [N].
     place : (n,) array
         Displacement of the piston [m].
     way : (m,) array
         How far it has come when it has left its place [m].
-    state : array
-        From `pneuservo.plant.servo.starting.servo_state`; written.
+    state : (PLANT_STATES,) array
+        Of the plant alone; written.
     servo : Servo
         The numbers of rig and effects.
     drift : Table or None
@@ -218,17 +217,13 @@ def _went(event, way, departures, time, pressures, external_force, state, servo)
 @compiled
 def _comes(start, end, side, time, pressures, external_force, state, servo):
     """Return how far a piston is read to have come that goes at one sample, and how fast it is."""
-    mass, lag = servo.plant.piston.mass, servo.effects.sensor.displacement_lag
-    # What hangs on it is taken along.
-    share = rigid_mass(mass, servo.effects.load) / mass
+    lag = servo.effects.sensor.displacement_lag
     place, speed, read, last, rest = 0.0, 0.0, 0.0, 0.0, state[DISPLACEMENT]
     for k in range(start, end + 1):
         state[PRESSURE_A], state[PRESSURE_B] = pressures[0, k], pressures[1, k]
         state[DISPLACEMENT] = rest + side * place
         velocity = side * speed
-        now = (
-            side * share * push(time[k], state, velocity, velocity, external_force[k], side, servo)
-        )
+        now = side * push(time[k], state, velocity, velocity, external_force[k], side, servo)
         if k > start:
             interval = time[k] - time[k - 1]
             mean = 0.5 * (now + last)

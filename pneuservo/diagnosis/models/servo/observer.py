@@ -48,10 +48,18 @@ from pneuservo.plant.servo.layout import (
     TIME,
 )
 from pneuservo.plant.servo.load_effects import rigid_mass
+from pneuservo.plant.servo.mechanics import carried_force
 from pneuservo.plant.servo.memory import begin
 from pneuservo.plant.servo.sensor_effects import displacement_gain
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
-from pneuservo.plant.single_axis import PRESSURE_A, PRESSURE_B, SPOOL, SPOOL_FREE, SPOOL_LIMIT
+from pneuservo.plant.single_axis import (
+    PLANT_STATES,
+    PRESSURE_A,
+    PRESSURE_B,
+    SPOOL,
+    SPOOL_FREE,
+    SPOOL_LIMIT,
+)
 
 
 @compiled
@@ -156,8 +164,9 @@ def observe(
     left : (3, n) array
         Innovations, each counted in the spread that it was expected to have, SI; infinite from
         where the servo runs away.
-    path : (3, n) array
-        Both pressures as followed [Pa], and the spool's opening [-].
+    path : (4, n) array
+        Both pressures as followed [Pa], the spool's opening [-], and the force on the piston of
+        what hangs on it and of cushions [N].
     known : (n,) array
         Standard deviation of the force that they give; zeros unless learning [N].
     drawn : (n,) array
@@ -179,7 +188,7 @@ def observe(
     slow effects than real ones show.
     """
     n = time.shape[0]
-    left, path, known, drawn = np.zeros((3, n)), np.zeros((3, n)), np.zeros(n), np.zeros(n)
+    left, path, known, drawn = np.zeros((3, n)), np.zeros((4, n)), np.zeros(n), np.zeros(n)
     decays = np.zeros(n)
     at_rest, rested = np.zeros((2, n)), 0.0
     state = initial_state.copy()
@@ -351,6 +360,8 @@ def observe(
         last = now + given / mass
         path[0, k + 1], path[1, k + 1] = state[PRESSURE_A], state[PRESSURE_B]
         path[2, k + 1] = state[SPOOL]
+        if state.shape[0] > PLANT_STATES:
+            path[3, k + 1] = carried_force(state, servo)
         rested = rested + interval if held[k + 1] else 0.0
         if stuck[k + 1]:
             followed_a, followed_b = state[PRESSURE_A], state[PRESSURE_B]

@@ -19,7 +19,7 @@ from pneuservo.diagnosis.models.servo.observer import behind_the_rod, observe
 from pneuservo.diagnosis.models.servo.rests import averaged
 from pneuservo.diagnosis.models.servo.spool import MOVED, follow_spool
 from pneuservo.diagnosis.models.servo.steps import FINEST, Steps, dividing, steps_beside
-from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST
+from pneuservo.diagnosis.models.servo.stops import APART, AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import expected_supply
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
@@ -247,7 +247,7 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, A
         What each error of expectation corrects, see `observe`.
     shares : (n, 3) array
         Noise of each reading over the spread of its innovation.
-    path : (3, n) array
+    path : (4, n) array
         As in `observe`.
     force_rms : (n,) array
         How well they tell the force on the piston [N].
@@ -330,33 +330,46 @@ def _observe(
     found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
     if learning:
         return found, np.empty((3, 0))
-    return found, _breaking_away(fed, motion, found[1], force, servo, state, drift_of(effects))
+    breaking = _breaking_away(
+        fed, motion, found[0][:2], found[1], force, servo, state, drift_of(effects)
+    )
+    return found, breaking
 
 
 def _breaking_away(
     fed: Feed,
     motion: Array,
+    missed: Array,
     path: Array,
     force: Array,
     servo: Servo,
     state: Array,
     drift: Table | None,
 ) -> Array:
-    """Return at which force the piston breaks away, as `forces_at_breakaway`."""
+    """Return at which force the piston breaks away, as `forces_at_breakaway`.
+
+    By the pressures that the observer follows: averages of what was measured begin to change before
+    they do. What is wrong with a flow must not pass for friction: the force is known no better than
+    by what was missed of the pressures before.
+    """
     left = fed.departures
     if not left.at.size:
         return np.empty((3, 0))
     first, gone = left.first.astype(int), left.gone.astype(int)
+    piston = servo.plant.piston
+    before = np.maximum(fed.breaks_away - round(0.5 * APART / fed.interval), 0)
+    off = averaged(missed, fed.interval, APART)[:, before]
+    known = np.hypot(fed.force_spread[fed.breaks_away], fed.force_rms)
     behind = behind_the_rod(fed.motion[0], fed.held, servo.effects.sensor.wiper_play)
     found: Array = forces_at_breakaway(
         left,
         fed.time,
         path,
-        averaged(force, fed.interval),
-        np.hypot(fed.force_spread[fed.breaks_away], fed.force_rms),
+        averaged(force, fed.interval) - path[3],
+        np.hypot(known, piston.area_a * off[0] - piston.area_b * off[1]),
         motion[0],
         np.abs(motion[0, gone] - motion[0, first] + behind[gone] - behind[first]),
-        state.copy(),
+        state[:PLANT_STATES].copy(),
         servo,
         drift,
     )
