@@ -16,7 +16,7 @@ from pneuservo.diagnosis.models.servo.measured_spool import (
 )
 from pneuservo.diagnosis.models.servo.noisy_command import bends_in, bent
 from pneuservo.diagnosis.models.servo.observer import behind_the_rod, observe
-from pneuservo.diagnosis.models.servo.rests import averaged
+from pneuservo.diagnosis.models.servo.rests import averaged, averaged_samples
 from pneuservo.diagnosis.models.servo.spool import MOVED, follow_spool
 from pneuservo.diagnosis.models.servo.steps import FINEST, Steps, dividing, steps_beside
 from pneuservo.diagnosis.models.servo.stops import APART, AVERAGED_AT_REST
@@ -61,6 +61,8 @@ REVERSAL = "reversal"
 ASTRAY = 1e3
 """Innovations are never larger than so many times the noise: a fit turns back from values with
 which the observer runs away, but can make nothing of numbers that are not finite."""
+_MISSED = 3.0
+"""What pressures miss by more than so many times what their noise averages to is missed."""
 _ELSEWHERE = 4.0
 """So many times its noise a spool is read off where it was told to be, if it is elsewhere."""
 
@@ -350,7 +352,7 @@ def _breaking_away(
 
     By the pressures that the observer follows: averages of what was measured begin to change before
     they do. What is wrong with a flow must not pass for friction: the force is known no better than
-    by what was missed of the pressures before.
+    by what was missed of the pressures before, beyond their noise.
     """
     left = fed.departures
     if not left.at.size:
@@ -359,6 +361,9 @@ def _breaking_away(
     piston = servo.plant.piston
     before = np.maximum(fed.breaks_away - round(0.5 * APART / fed.interval), 0)
     off = averaged(missed, fed.interval, APART)[:, before]
+    off = piston.area_a * off[0] - piston.area_b * off[1]
+    of_noise = fed.spread_of_force / math.sqrt(averaged_samples(fed.interval, APART))
+    off = np.maximum(np.abs(off) - _MISSED * of_noise, 0.0)
     known = np.hypot(fed.force_spread[fed.breaks_away], fed.force_rms)
     behind = behind_the_rod(fed.motion[0], fed.held, servo.effects.sensor.wiper_play)
     found: Array = forces_at_breakaway(
@@ -366,7 +371,7 @@ def _breaking_away(
         fed.time,
         path,
         averaged(force, fed.interval) - path[3],
-        np.hypot(known, piston.area_a * off[0] - piston.area_b * off[1]),
+        np.hypot(known, off),
         motion[0],
         np.abs(motion[0, gone] - motion[0, first] + behind[gone] - behind[first]),
         state[:PLANT_STATES].copy(),
