@@ -8,6 +8,7 @@ import numpy as np
 from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.servo.advance import followed
 from pneuservo.diagnosis.models.servo.push import balance_at_rest, push
+from pneuservo.diagnosis.models.servo.stops import each_rest
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.drift import drifted_by
 from pneuservo.plant.single_axis import DISPLACEMENT, PRESSURE_A, PRESSURE_B
@@ -81,9 +82,8 @@ def departures(
     """
     far = _LEFT * math.hypot(noise_rms, _GIVES_WAY)
     before, after = round(_BEFORE / interval), round(_AFTER / interval)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
     found = []
-    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for begin, end in each_rest(stuck):
         first = max(begin, end - before)
         way = motion[0, first : end + after] - motion[0, first]
         left = np.flatnonzero(np.abs(way) > far)

@@ -14,7 +14,7 @@ from pneuservo.diagnosis.models.servo.breakaway import Departures
 from pneuservo.diagnosis.models.servo.noisy_command import bends_of
 from pneuservo.diagnosis.models.servo.rests import averaged_samples
 from pneuservo.diagnosis.models.servo.spread import MOTION_MEMORY
-from pneuservo.diagnosis.models.servo.stops import moments_of_rest
+from pneuservo.diagnosis.models.servo.stops import AVERAGED_AT_REST, moments_of_rest
 from pneuservo.noise import LIKELY_WANDER
 
 PRESSURES = ("pressure_a", "pressure_b")
@@ -190,15 +190,10 @@ class Feed:
         """Return the time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    def averaged_force_rms(self, over: float) -> float:
-        """Return how well averages of what was measured tell the force on the piston [N].
-
-        Parameters
-        ----------
-        over : float
-            Time that is averaged over [s].
-        """
-        samples = averaged_samples(self.interval, over)
+    @cached_property
+    def force_rms_at_rest(self) -> float:
+        """Return how well averages of what was measured tell the force on a piston at rest [N]."""
+        samples = averaged_samples(self.interval, AVERAGED_AT_REST)
         return self.spread_of_force * math.sqrt(1.0 / samples + LIKELY_WANDER**2)
 
     @cached_property

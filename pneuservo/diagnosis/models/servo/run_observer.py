@@ -173,7 +173,7 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
 
 def _excess_at_rest(fed: Feed, force: Array, holding: Array) -> Array:
     """Return the force beyond what friction can hold, in how well that is known."""
-    spread = np.maximum(np.hypot(fed.averaged_force_rms(AVERAGED_AT_REST), UNEVEN * holding), 1e-9)
+    spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
     spread *= np.sqrt(fed.moments_of_rest)
     return np.copysign(np.maximum(np.abs(force) - holding, 0.0), force) / spread
 

@@ -133,11 +133,22 @@ def moments_of_rest(stuck: Mask, interval: float) -> Array:
     return found
 
 
+def each_rest(stuck: Mask) -> list[tuple[int, int]]:
+    """Return the first sample of each rest, and the first after it.
+
+    Examples
+    --------
+    >>> each_rest(np.array([True, False, True, True]))
+    [(0, 1), (2, 4)]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
 def _judged_in_each_rest(stuck: Mask, interval: float) -> list[tuple[int, int, NDArray[np.int_]]]:
     """Return where each rest begins and ends, and the moments at which it is judged."""
     unsure, apart = round(UNSURE / interval), max(1, round(APART / interval))
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], stuck, [False]]).astype(np.int8)))
     return [
         (begin, end, np.arange(end - 1 - unsure, begin + unsure - 1, -apart))
-        for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+        for begin, end in each_rest(stuck)
     ]
