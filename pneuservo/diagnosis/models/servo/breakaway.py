@@ -11,7 +11,7 @@ from pneuservo.diagnosis.models.servo.push import balance_at_rest, push
 from pneuservo.diagnosis.models.servo.stops import each_rest
 from pneuservo.plant.compilation import compiled
 from pneuservo.plant.servo.drift import drifted_by
-from pneuservo.plant.single_axis import DISPLACEMENT, PRESSURE_A, PRESSURE_B
+from pneuservo.plant.single_axis import DISPLACEMENT, PRESSURE_A, PRESSURE_B, SPOOL
 
 UNEVEN = 0.1
 """Share by which friction at rest differs from place to place, and its laws in form."""
@@ -119,7 +119,7 @@ def as_in(other: Departures, own: Departures, interval: float) -> Departures:
 
 @compiled
 def forces_at_breakaway(
-    departures, time, pressures, external_force, force_rms, place, way, state, servo, drift
+    departures, time, path, external_force, force_rms, place, way, state, servo, drift
 ):
     """Return the force at which a piston breaks away, and how much of it friction should hold.
 
@@ -129,9 +129,9 @@ def forces_at_breakaway(
         When it leaves its places.
     time : (n,) array
         [s].
-    pressures : (2, n) array
-        As the observer follows them: averages of what was measured would begin to change before
-        they do [Pa].
+    path : (4, n) array
+        Pressures and opening as the observer follows them: averages of what was measured would
+        begin to change before they do.
     external_force : (n,) array
         At the rod and of what the piston carries, positive when it resists extension [N].
     force_rms : (m,) array
@@ -159,7 +159,7 @@ def forces_at_breakaway(
         broken = drifted_by(servo, drift, time[int(departures.first[event])])
         came = way[event]
         force, held, went = _went(
-            event, came, departures, time, pressures, external_force, state, broken
+            event, came, departures, time, path, external_force, state, broken
         )
         # The force that moves it is known no better than the one that it breaks away at.
         taken = time[int(departures.gone[event])] - went
@@ -168,7 +168,7 @@ def forces_at_breakaway(
         told = 0.0
         for less in (unsure, -unsure):
             other, _, _ = _went(
-                event, came - less, departures, time, pressures, external_force, state, broken
+                event, came - less, departures, time, path, external_force, state, broken
             )
             told = max(told, abs(other - force))
         doubt = math.hypot(force_rms[event], UNEVEN * held)
@@ -177,7 +177,7 @@ def forces_at_breakaway(
 
 
 @compiled
-def _went(event, way, departures, time, pressures, external_force, state, servo):
+def _went(event, way, departures, time, path, external_force, state, servo):
     """Return at what force a piston went that came so far, what friction should hold, and when.
 
     Once it has gone, what the model has brake a moving piston acts on it: it starts when it is
@@ -185,13 +185,13 @@ def _went(event, way, departures, time, pressures, external_force, state, servo)
     """
     side, rested = departures.side[event], time[int(departures.rested[event])]
     low, high = int(departures.first[event]), int(departures.gone[event])
-    farthest, speed = _comes(low, high, side, time, pressures, external_force, state, servo)
+    farthest, speed = _comes(low, high, side, time, path, external_force, state, servo)
     sought = min(max(way, 0.0), farthest * _AS_FAR)
     start, until, farther, nearer = low, high, farthest, 0.0
     # The later it goes, the less far it comes.
     while until - start > 1:
         middle = (start + until) // 2
-        comes, _ = _comes(middle, high, side, time, pressures, external_force, state, servo)
+        comes, _ = _comes(middle, high, side, time, path, external_force, state, servo)
         if comes >= sought:
             start, farther = middle, comes
         else:
@@ -205,7 +205,7 @@ def _went(event, way, departures, time, pressures, external_force, state, servo)
     share = (went - time[start]) / (time[start + 1] - time[start])
     force, held = 0.0, 0.0
     for k, part in ((start, 1.0 - share), (start + 1, share)):
-        state[PRESSURE_A], state[PRESSURE_B] = pressures[0, k], pressures[1, k]
+        state[PRESSURE_A], state[PRESSURE_B], state[SPOOL] = path[0, k], path[1, k], path[2, k]
         now, holding = balance_at_rest(
             time[k], state, 0.0, time[k] - rested, external_force[k], servo
         )
@@ -215,12 +215,12 @@ def _went(event, way, departures, time, pressures, external_force, state, servo)
 
 
 @compiled
-def _comes(start, end, side, time, pressures, external_force, state, servo):
+def _comes(start, end, side, time, path, external_force, state, servo):
     """Return how far a piston is read to have come that goes at one sample, and how fast it is."""
     lag = servo.effects.sensor.displacement_lag
     place, speed, read, last, rest = 0.0, 0.0, 0.0, 0.0, state[DISPLACEMENT]
     for k in range(start, end + 1):
-        state[PRESSURE_A], state[PRESSURE_B] = pressures[0, k], pressures[1, k]
+        state[PRESSURE_A], state[PRESSURE_B], state[SPOOL] = path[0, k], path[1, k], path[2, k]
         state[DISPLACEMENT] = rest + side * place
         velocity = side * speed
         now = side * push(time[k], state, velocity, velocity, external_force[k], side, servo)

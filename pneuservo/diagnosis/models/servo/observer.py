@@ -1,9 +1,11 @@
 """The whole servo followed at once, whether or not every pressure was measured."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.servo.advance import (
     BEHIND_A,
     BEHIND_B,
@@ -31,7 +33,7 @@ from pneuservo.diagnosis.models.servo.innovations import (
     place_at_stop,
     pressure_errors,
 )
-from pneuservo.diagnosis.models.servo.push import balance_at_rest, dry_friction, push
+from pneuservo.diagnosis.models.servo.push import dry_friction, push
 from pneuservo.diagnosis.models.servo.turning import friction_direction
 from pneuservo.noise import WANDER_TIME
 from pneuservo.plant.compilation import compiled
@@ -46,6 +48,7 @@ from pneuservo.plant.servo.layout import (
     PAST_ROWS,
     SUPPLY,
     TIME,
+    Servo,
 )
 from pneuservo.plant.servo.load_effects import rigid_mass
 from pneuservo.plant.servo.mechanics import carried_force
@@ -62,6 +65,37 @@ from pneuservo.plant.single_axis import (
 )
 
 
+class Observed(NamedTuple):
+    """What `observe` found in a recording, and of what.
+
+    Parameters
+    ----------
+    left, path, known, drawn, decays
+        What it returns, pressures as the transducers read them.
+    motion : (3, n) array
+        Displacement, velocity and acceleration of the piston, SI.
+    pressures : (2, n) array
+        As measured, the errors of the transducers undone [Pa].
+    force : (n,) array
+        At the rod, positive when it resists extension [N].
+    servo : Servo
+        The numbers of rig and effects.
+    state : array
+        Where it began.
+    """
+
+    left: Array
+    path: Array
+    known: Array
+    drawn: Array
+    decays: Array
+    motion: Array
+    pressures: Array
+    force: Array
+    servo: Servo
+    state: Array
+
+
 @compiled
 def observe(
     time,
@@ -75,9 +109,7 @@ def observe(
     force_rms,
     held,
     resting,
-    stuck,
     velocity_rms,
-    averaged,
     reversal,
     unsteadiness,
     turning_unsteadiness,
@@ -120,13 +152,8 @@ def observe(
         tells nothing ...
     resting : (n,) array of int
         ... unless it is pressed on the retracted (-1) or extended (1) stop, whose place is known.
-    stuck : (n,) array of bool
-        While nothing but friction holds the piston.
     velocity_rms : (n,) array
         How well the velocity is known that is taken over [m/s].
-    averaged : (3, n) array
-        Pressures [Pa] and force at the rod [N] that a stuck piston is judged by: the followed
-        pressures are off by whatever flows are.
     reversal : float
         Speed over which friction turns round [m/s].
     unsteadiness, turning_unsteadiness : float
@@ -171,8 +198,6 @@ def observe(
         Standard deviation of the force that they give; zeros unless learning [N].
     drawn : (n,) array
         Mass flow out of the supply; zeros unless it was asked for [kg/s].
-    at_rest : (2, n) array
-        Force on a stuck piston and how much of it friction can hold; elsewhere zeros [N].
     decays : (n,) array
         From `pneuservo.diagnosis.models.servo.covariance.carry_on`; zeros unless learning [-].
 
@@ -190,7 +215,6 @@ def observe(
     n = time.shape[0]
     left, path, known, drawn = np.zeros((3, n)), np.zeros((4, n)), np.zeros(n), np.zeros(n)
     decays = np.zeros(n)
-    at_rest, rested = np.zeros((2, n)), 0.0
     state = initial_state.copy()
     modes = np.zeros(3, np.int64)
     modes[SPOOL_LIMIT] = SPOOL_FREE
@@ -325,7 +349,6 @@ def observe(
         if not math.isfinite(position + state[PRESSURE_A] + state[PRESSURE_B]):
             # Nothing is expected of a servo that ran away, and no reading is as expected.
             left[:, k + 1 :] = math.inf
-            at_rest[0, k + 1 :] = math.inf
             break
         pressure_errors(error, readings[:, k + 1], state, path[:, k], age / interval, within, zeros)
         if missed != 0.0:
@@ -362,15 +385,7 @@ def observe(
         path[2, k + 1] = state[SPOOL]
         if state.shape[0] > PLANT_STATES:
             path[3, k + 1] = carried_force(state, servo)
-        rested = rested + interval if held[k + 1] else 0.0
-        if stuck[k + 1]:
-            followed_a, followed_b = state[PRESSURE_A], state[PRESSURE_B]
-            state[PRESSURE_A], state[PRESSURE_B] = averaged[0, k + 1], averaged[1, k + 1]
-            at_rest[0, k + 1], at_rest[1, k + 1] = balance_at_rest(
-                time[k + 1], state, after[1], rested, averaged[2, k + 1], servo
-            )
-            state[PRESSURE_A], state[PRESSURE_B] = followed_a, followed_b
-    return left, path, known, drawn, at_rest, decays
+    return left, path, known, drawn, decays
 
 
 @compiled

@@ -6,20 +6,18 @@ import numpy as np
 
 from pneuservo.arrays import Array
 from pneuservo.diagnosis.models.model import Values
-from pneuservo.diagnosis.models.servo.breakaway import UNEVEN, forces_at_breakaway
 from pneuservo.diagnosis.models.servo.covariance import GAIN_ROWS
 from pneuservo.diagnosis.models.servo.feed import FOLLOWED, Feed
+from pneuservo.diagnosis.models.servo.friction_at_rest import beyond_friction, forces_on_resting
 from pneuservo.diagnosis.models.servo.measured_spool import (
     SPOOL_GAIN,
     SPOOL_ZERO,
     beyond_expected,
 )
 from pneuservo.diagnosis.models.servo.noisy_command import bends_in, bent
-from pneuservo.diagnosis.models.servo.observer import behind_the_rod, observe
-from pneuservo.diagnosis.models.servo.rests import averaged, averaged_samples
+from pneuservo.diagnosis.models.servo.observer import Observed, observe
 from pneuservo.diagnosis.models.servo.spool import MOVED, follow_spool
 from pneuservo.diagnosis.models.servo.steps import FINEST, Steps, dividing, steps_beside
-from pneuservo.diagnosis.models.servo.stops import APART, AVERAGED_AT_REST
 from pneuservo.diagnosis.models.servo.supply import expected_supply
 from pneuservo.diagnosis.models.servo.wander import beyond_wander
 from pneuservo.effects.servo import SERVO_FIELDS, servo_effects
@@ -36,7 +34,6 @@ from pneuservo.plant.servo.servo_effects import ServoEffects
 from pneuservo.plant.servo.starting import servo_state
 from pneuservo.plant.servo.supply_effects import SupplyEffects
 from pneuservo.plant.servo.transducers import true_motion, true_pressures
-from pneuservo.plant.servo.unexplained_effects import Table
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
     PLANT_STATES,
@@ -61,8 +58,6 @@ REVERSAL = "reversal"
 ASTRAY = 1e3
 """Innovations are never larger than so many times the noise: a fit turns back from values with
 which the observer runs away, but can make nothing of numbers that are not finite."""
-_MISSED = 3.0
-"""What pressures miss by more than so many times what their noise averages to is missed."""
 _ELSEWHERE = 4.0
 """So many times its noise a spool is read off where it was told to be, if it is elsewhere."""
 
@@ -146,11 +141,9 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
     own channel alone.
     """
     known = numbers(values, rig)
-    (left, path, _, drawn, at_rest, _), breaking = _observe(
-        fed, values, known, rig, fed.gains, fed.shares, learning=False
-    )
+    observed = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
     farthest = ASTRAY * fed.noise_of(FOLLOWED)[:, np.newaxis]
-    left = _within(left, farthest)
+    left = _within(observed.left, farthest)
     place = left[FOLLOWED.index("displacement")]
     for side in (-1, 1):
         # One stop that is not where it should be says nothing of the other.
@@ -159,28 +152,15 @@ def run_observer(fed: Feed, values: Values, rig: Rig) -> Array:
             place[there] = beyond_wander(fed.time, np.where(there, place, np.nan))[there]
     beyond = np.zeros_like(fed.time)
     if fed.supply is not None:
-        expected = _expected_supply(fed, values, known, drawn)
+        expected = _expected_supply(fed, values, known, observed.drawn)
         beyond = beyond_wander(fed.time, fed.supply_reading - expected)
     spool = np.zeros_like(fed.time)
     if len(fed.spool_reading):
         zero, gain = values.get(SPOOL_ZERO, 0.0), values.get(SPOOL_GAIN, 1.0)
         most = ASTRAY * fed.noise["spool"]
-        spool = np.clip(beyond_expected(fed, path[2], zero, gain), -most, most)
-    friction = _within(_excess_at_rest(fed, *at_rest), ASTRAY)
-    friction[fed.breaks_away] = _within(_excess_at_breakaway(fed, *breaking), ASTRAY)
+        spool = np.clip(beyond_expected(fed, observed.path[2], zero, gain), -most, most)
+    friction = _within(beyond_friction(fed, observed), ASTRAY)
     return np.vstack([left, beyond, spool, friction])
-
-
-def _excess_at_rest(fed: Feed, force: Array, holding: Array) -> Array:
-    """Return the force beyond what friction can hold, in how well that is known."""
-    spread = np.maximum(np.hypot(fed.force_rms_at_rest, UNEVEN * holding), 1e-9)
-    spread *= np.sqrt(fed.moments_of_rest)
-    return np.copysign(np.maximum(np.abs(force) - holding, 0.0), force) / spread
-
-
-def _excess_at_breakaway(fed: Feed, force: Array, holding: Array, spread: Array) -> Array:
-    """Return by how much a piston breaks away at more than friction holds, in what that may be."""
-    return fed.departures.side * (force - holding) / np.maximum(spread, 1e-9)
 
 
 def _within(left: Array, farthest: Array | float) -> Array:
@@ -203,12 +183,8 @@ def forces_at_rest(fed: Feed, values: Values, rig: Rig) -> Array:
         the last sample of a rest they are those at which it breaks away.
     """
     known = numbers(values, rig)
-    (*_, at_rest, _), breaking = _observe(
-        fed, values, known, rig, fed.gains, fed.shares, learning=False
-    )
-    force, holding, _ = breaking
-    at_rest[:, fed.breaks_away] = fed.departures.side * force, holding
-    return at_rest
+    observed = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    return forces_on_resting(fed, observed)
 
 
 def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
@@ -220,8 +196,8 @@ def supply_to_be_read(fed: Feed, values: Values, rig: Rig) -> Array:
         As in `run_observer`, of a recording in which the supply was measured.
     """
     known = numbers(values, rig)
-    (*_, drawn, _, _), _ = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
-    return _expected_supply(fed, values, known, drawn)
+    observed = _observe(fed, values, known, rig, fed.gains, fed.shares, learning=False)
+    return _expected_supply(fed, values, known, observed.drawn)
 
 
 def _expected_supply(
@@ -258,10 +234,8 @@ def learn_to_observe(fed: Feed, rig: Rig) -> tuple[Array, Array, Array, Array, A
     """
     samples = len(fed.time)
     gains, shares = np.zeros((samples, GAIN_ROWS, 3)), np.zeros((samples, 3))
-    (_, path, known, _, _, decays), _ = _observe(
-        fed, {}, numbers({}, rig), rig, gains, shares, learning=True
-    )
-    return gains, shares, path, known, decays
+    observed = _observe(fed, {}, numbers({}, rig), rig, gains, shares, learning=True)
+    return gains, shares, observed.path, observed.known, observed.decays
 
 
 def _observe(
@@ -272,8 +246,7 @@ def _observe(
     gains: Array,
     shares: Array,
     learning: bool,
-) -> tuple[tuple[Array, ...], Array]:
-    """Return what `observe` returns, and the forces at which the piston breaks away."""
+) -> Observed:
     plant, effects = known
     if fed.supply is not None:
         effects = effects._replace(supply=SupplyEffects())
@@ -298,7 +271,7 @@ def _observe(
         if fed.supply is not None:
             fields = {field for field in fields if not field.startswith("supply.")}
         steps = steps_beside(fed.steps, fed.time, fields)
-    found: tuple[Array, ...] = observe(
+    left, path, force_rms, drawn, decays = observe(
         fed.time,
         command,
         np.vstack([taken_by_then(read, late), fed.reading]),
@@ -310,9 +283,7 @@ def _observe(
         fed.force_rms,
         fed.held,
         fed.resting,
-        fed.stuck,
         fed.velocity_rms,
-        averaged(np.vstack([pressures, force]), fed.interval, AVERAGED_AT_REST),
         fed.reversal * values.get(REVERSAL, 1.0),
         fed.unsteadiness,
         fed.turning_unsteadiness,
@@ -329,56 +300,8 @@ def _observe(
         steps,
         _moves_of_spool(fed, command, values, servo, float(state[SPOOL]), steps),
     )
-    found[0][:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
-    if learning:
-        return found, np.empty((3, 0))
-    breaking = _breaking_away(
-        fed, motion, found[0][:2], found[1], force, servo, state, drift_of(effects)
-    )
-    return found, breaking
-
-
-def _breaking_away(
-    fed: Feed,
-    motion: Array,
-    missed: Array,
-    path: Array,
-    force: Array,
-    servo: Servo,
-    state: Array,
-    drift: Table | None,
-) -> Array:
-    """Return at which force the piston breaks away, as `forces_at_breakaway`.
-
-    By the pressures that the observer follows: averages of what was measured begin to change before
-    they do. What is wrong with a flow must not pass for friction: the force is known no better than
-    by what was missed of the pressures before, beyond their noise.
-    """
-    left = fed.departures
-    if not left.at.size:
-        return np.empty((3, 0))
-    first, gone = left.first.astype(int), left.gone.astype(int)
-    piston = servo.plant.piston
-    before = np.maximum(fed.breaks_away - round(0.5 * APART / fed.interval), 0)
-    off = averaged(missed, fed.interval, APART)[:, before]
-    off = piston.area_a * off[0] - piston.area_b * off[1]
-    of_noise = fed.spread_of_force / math.sqrt(averaged_samples(fed.interval, APART))
-    off = np.maximum(np.abs(off) - _MISSED * of_noise, 0.0)
-    known = np.hypot(fed.force_spread[fed.breaks_away], fed.force_rms)
-    behind = behind_the_rod(fed.motion[0], fed.held, servo.effects.sensor.wiper_play)
-    found: Array = forces_at_breakaway(
-        left,
-        fed.time,
-        path,
-        averaged(force, fed.interval) - path[3],
-        np.hypot(known, off),
-        motion[0],
-        np.abs(motion[0, gone] - motion[0, first] + behind[gone] - behind[first]),
-        state[:PLANT_STATES].copy(),
-        servo,
-        drift,
-    )
-    return found
+    left[:2] *= _as_read(effects) * gain_of_reference(fed.time, effects.unexplained_drift)
+    return Observed(left, path, force_rms, drawn, decays, motion, pressures, force, servo, state)
 
 
 def taken_by_then(readings: Array, late: int) -> Array:
