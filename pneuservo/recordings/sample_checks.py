@@ -6,6 +6,7 @@ import numpy as np
 
 from pneuservo.arrays import Array, Mask
 from pneuservo.recordings.channels import Channel
+from pneuservo.recordings.converter import converter_step
 
 LONGEST_FILLED = 3  # samples
 # Commands and outputs that have a limit by design: to stay at it is not a fault of the recording.
@@ -13,7 +14,6 @@ LIMITED_BY_DESIGN = ("demand", "valve_voltage", "spool", "card_surface", "card_o
 
 _SHORTEST_CLIP = 5  # samples
 _FEWEST_LEVELS = 20  # a channel with fewer values is switched, not measured finely
-_FEWEST_STEPS = 3  # levels: of two it does not show whether they are steps of a converter
 _CLIP_TO_NEAR = 8  # a rounded peak holds its top level at most 4.8 times as long as the next
 _NEAR_LEVELS = 5
 _EDGE_STEPS = 3  # looked at on either side of a stretch, and twice as many beyond them
@@ -21,7 +21,6 @@ _CLIP_SPEED = 0.15  # of the root-mean-square step: a clipped channel meets its 
 _CLIP_LOSS = 0.5  # of the speed shortly before; whatever slows down evenly to a rest has 0.4
 _FEWEST_BITS = 10.0
 _REPEATS = 0.3
-_SAMPLES_PER_LEVEL = 4  # a ramp is even without being quantised: its levels do not come again
 
 
 @dataclass(frozen=True)
@@ -164,15 +163,8 @@ def _clipped(values: Array, extreme: float, near: Array) -> list[_Run]:
 
 def _quantisation(values: Array, levels: Array, channel: Channel) -> list[str]:
     switched = channel.name in LIMITED_BY_DESIGN and len(levels) < _FEWEST_LEVELS
-    few = switched or len(levels) < _FEWEST_STEPS or len(values) < _SAMPLES_PER_LEVEL * len(levels)
-    if few or channel.name == "demand":
-        return []
-    steps = np.diff(levels)
-    step = float(steps.min())
-    multiples = steps / step
-    # Rounding of the values blurs how often the smallest step goes into the others.
-    blur = 8.0 * np.finfo(float).eps * float(np.abs(levels).max()) / step * multiples.max()
-    if blur > 0.1 or np.any(np.abs(multiples - np.round(multiples)) > blur + 1e-6):
+    step = 0.0 if switched or channel.name == "demand" else converter_step(values)
+    if not step:
         return []
     bits = float(np.log2((levels[-1] - levels[0]) / step + 1.0))
     repeats = float(np.mean(np.diff(values) == 0.0))

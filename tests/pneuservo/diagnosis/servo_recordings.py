@@ -9,7 +9,7 @@ NOISE = {"displacement": 1e-5, "pressure_a": 500.0, "pressure_b": 500.0}
 
 
 def recorded(
-    rig, controller, seed: int, duration: float = 4.0, interval: float = 1e-3
+    rig, controller, seed: int, duration: float = 4.0, interval: float = 1e-3, noise=NOISE
 ) -> Recording:
     """Return a run from set point to set point, with white noise on displacement and pressures."""
     time = np.arange(0.0, duration, interval)
@@ -17,7 +17,7 @@ def recorded(
     held = round(0.4 / interval)
     demand = np.repeat(rng.uniform(0.006, 0.024, len(time) // held + 1), held)[: len(time)]
     run = simulate(rig, time=time, controller=controller, demand=demand)
-    return noisy(run, rng)
+    return noisy(run, rng, noise)
 
 
 def noisy(run, rng, noise=NOISE) -> Recording:

@@ -91,7 +91,8 @@ def slow_recording(rig, seed: int) -> Recording:
         + size * (rng.standard_normal(len(time)) + LIKELY_WANDER / WANDER * wander(time, rng))
         for name, size in NOISE.items()
     }
-    return Recording("slow", time, channels | {"valve_voltage": run["valve_voltage"]}, NOISE)
+    channels["valve_voltage"] = run["valve_voltage"]
+    return Recording("slow", time, channels, noise_rms=NOISE)
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +165,8 @@ def test_a_faulty_transducer_does_not_reach_the_chambers(rig, effect):
     run = simulate(faulty, time=time, controller=Proportional(), demand=demand)
     rng = np.random.default_rng(4)
     channels = {n: run[n] + rng.normal(0.0, NOISE[n], len(time)) for n in NOISE}
-    recording = Recording("steps", time, channels | {"valve_voltage": run["valve_voltage"]}, NOISE)
+    channels["valve_voltage"] = run["valve_voltage"]
+    recording = Recording("steps", time, channels, noise_rms=NOISE)
     fed = with_observer(feed(recording, rig), rig)
     known, ignored = of_noise(fed, rig, effect), of_noise(fed, rig, {})
     # The smoothed motion still is the reading's own.

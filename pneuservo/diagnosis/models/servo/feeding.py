@@ -17,6 +17,7 @@ from pneuservo.diagnosis.models.servo.set_point import at_its_limit, at_once, ga
 from pneuservo.diagnosis.models.servo.supply import smoothed_supply
 from pneuservo.noise import noise_level
 from pneuservo.recordings import Recording
+from pneuservo.recordings.converter import converter_step, noise_of_steps
 from pneuservo.rigs import Rig
 
 FINEST = 1e-4
@@ -110,7 +111,10 @@ def _noise(recording: Recording, channel: str, rig: Rig) -> float:
     largest = {"displacement": rig["piston.stroke"], "spool": 1.0}.get(
         channel, rig["supply.pressure"]
     )
-    return max(noise_level(recording[channel], recording.time), FINEST * largest)
+    readings = recording[channel]
+    # Of a piston that rests within one step it shows none.
+    of_steps = noise_of_steps(converter_step(readings))
+    return max(noise_level(readings, recording.time), of_steps, FINEST * largest)
 
 
 def _pressures(recording: Recording, rig: Rig, force: float) -> Array:

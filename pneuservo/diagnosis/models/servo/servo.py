@@ -20,6 +20,7 @@ from pneuservo.diagnosis.models.model import (
 from pneuservo.diagnosis.models.plausible import require_absolute, require_on_stroke, require_times
 from pneuservo.diagnosis.models.servo.between_samples import AsGiven, with_running_command
 from pneuservo.diagnosis.models.servo.command import is_relay
+from pneuservo.diagnosis.models.servo.converted import with_noise_of_steps
 from pneuservo.diagnosis.models.servo.estimate import with_gains
 from pneuservo.diagnosis.models.servo.feed import AT_REST, CHANNELS, PRESSURES, SUPPLY, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
@@ -122,11 +123,13 @@ class ServoModel(Model):
     def completed(self, recording: Recording, rig: Rig) -> Recording:
         """Return a recording whose command and displacement may be those of the card's taps.
 
-        What changes in the course of a recording counts from where that begins.
+        Its noise is that of its transducers and of their converters. What changes in the course of
+        a recording counts from where that begins.
         """
         require_times(recording, *_INTERVALS)
         require_absolute(recording, *PRESSURES, SUPPLY)
-        return with_stand_ins(with_gaps_as_missing(recording.from_its_start()), rig)
+        complete = with_stand_ins(with_gaps_as_missing(recording.from_its_start()), rig)
+        return with_noise_of_steps(complete)
 
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per judged channel, each in units of its noise."""
