@@ -30,6 +30,8 @@ _CLOSE, _ENOUGH = 1e-6, 1e-5
 """Relative drop of the sum of squares below which a fit ends, and one from kept sensitivities."""
 _FEW_EVALUATIONS = 15
 _MOST_PASSES = 8
+_MOST_POLISHED, _WORTH_GOING_ON = 4, 0.01
+"""A fit is carried on so often where each time gains this share of what was left."""
 _BEYOND = (-2.0, -1.0, 1.0, 2.0)
 """Tolerances by which a parameter is moved to look beyond a ridge ..."""
 _WORTH_LOOKING = 1.05
@@ -242,7 +244,19 @@ def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
     as if nothing were to be gained: a leak whose share of laminar flow had come to 1 beside a heat
     transfer stayed there, 24 below what it explains at 0.5, and a leak of another law was named.
     Where a value lies at its bound a reflective trust region goes on from it.
+
+    A spool whose motor is too weak, in a loop that chatters, had 24,100 after one round and 33,200
+    of 99,800 after two, where a slew had 25,900.
     """
+    for _ in range(_MOST_POLISHED):
+        before, found = found, _further(model, cases, found)
+        if explained(before, found) < _WORTH_GOING_ON * float(np.sum(before.left**2)):
+            break
+    return found
+
+
+def _further(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
+    """Return a fit carried on, by as many evaluations as a fit may take."""
     problem = begun_at(_problem_of(model, cases, found), found.shared, found.own)
     vector = _solve(problem, problem.first, found.hypothesis, None)
     low, high = problem.bounds

@@ -17,7 +17,7 @@ from pneuservo.diagnosis.pretence import FAR, Pretence
 from pneuservo.diagnosis.screen import promising, within_reach
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.starts import Begin
-from pneuservo.diagnosis.strained import far_out, is_strained, promises_from_nominal
+from pneuservo.diagnosis.strained import far_out, is_strained, leaves_noise, promises_from_nominal
 
 FITTED_FIRST = 2
 """So many candidates are fitted before the others are asked whether they can still catch up."""
@@ -184,9 +184,12 @@ class Hypotheses:
             more = misses_more(base, found)
             if not more and gained_most(base, found) >= LEAST_KEPT * promise:
                 break
-            if begin is Begin.IN_NOISE and not more:
+            if begin is Begin.IN_NOISE and not (more or again):
                 break
             other = fit(self.model, self.cases, hypothesis, base, begin=begin)
+            if again and begin is Begin.IN_NOISE:
+                # Counted in noise it may leave more at first than it does at its end.
+                other = polished(self.model, self.cases, other)
             if explained(found, other) > 0.0:
                 self._replace_fit(hypothesis, other)
             found = self.ended(hypothesis)
@@ -242,7 +245,8 @@ class Hypotheses:
         """Return the fits of a base with each of some candidates that may turn out the best.
 
         What has promised most is fitted first; the others have to promise enough to reach it,
-        unless it is barred. Where parameters stay strained, what may have strained them as well.
+        unless it is barred. Where parameters of the base are strained, and stay so or more than
+        noise stays, what may have strained them as well.
         A parameter that is far out is fitted with the first: what reaches farther may not earn its
         place. (Under a relay a presliding promised 870 of a friction that was 14 tolerances off.)
         """
@@ -257,12 +261,17 @@ class Hypotheses:
             # A parameter that is let go is strained no more, whatever strained it.
             effects = {n: closer for n, closer in found.items() if not n.startswith("param.")}
             best, reached = best_of(base, effects, barred)
-            strained = is_strained(effects.get(best, base))
-            self.guessed = strained and self.may_guess
-            if strained and not self.may_guess:
+            closest = effects.get(best, base)
+            self.guessed = self.may_guess and is_strained(closest)
+            if is_strained(base) and not self.guessed and not self._settles(closest):
                 hidden = self._promised_from_nominal(names)
                 found |= self._fitted_with(base, hidden, reached, again=True)
         return {name: found[name] for name in names if name in found}
+
+    def _settles(self, closest: Fit) -> bool:
+        """Return whether a fit leaves no parameter strained, and no more than noise."""
+        noise = [1.0] * len(self.cases)
+        return not is_strained(closest) and leaves_noise(self.cases, closest, noise)
 
     def _promised_from_nominal(self, names: Sequence[str]) -> Mapping[str, float]:
         """Return which of some effects may have strained the parameters of the baseline."""

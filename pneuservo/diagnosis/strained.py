@@ -223,13 +223,27 @@ def promises_from_nominal(
     from the nominal frequency 3,990 of 8,330, and no other effect anything.
     """
     nominal = at_nominal(model, cases, base)
-    more = float(np.sum(base.left**2) - np.sum(nominal.unabsorbed**2))
     signatures = signatures_of(model, cases, nominal)
     effects = [name for name in signatures if name in names]
-    found = {
-        name: more + score
-        for name, score in scores(nominal, signatures, effects, one_sided).items()
-        if more + score > LEAST_PROMISE
-    }
-    best = nlargest(WORTH_FITTING, found, key=found.__getitem__)
-    return {name: found[name] for name in best}
+    # As a gain is: in the weights of the fit, or in noise alone where a channel looks noisy.
+    promised = [
+        _beyond(*weighed, signatures, effects, one_sided)
+        for weighed in ((base, nominal), (base.in_noise, nominal.in_noise))
+    ]
+    found = {name: max(each[name] for each in promised) for name in effects}
+    worth = {name: promise for name, promise in found.items() if promise > LEAST_PROMISE}
+    best = nlargest(WORTH_FITTING, worth, key=worth.__getitem__)
+    return {name: worth[name] for name in best}
+
+
+def _beyond(
+    base: Fit,
+    nominal: Fit,
+    signatures: Signatures,
+    effects: Sequence[str],
+    one_sided: Collection[str],
+) -> dict[str, float]:
+    """Return what effects promise beside nominal parameters beyond what a baseline explains."""
+    more = float(np.sum(base.left**2) - np.sum(nominal.unabsorbed**2))
+    found = scores(nominal, signatures, effects, one_sided)
+    return {name: more + score for name, score in found.items()}

@@ -514,6 +514,39 @@ def test_a_parameter_let_go_does_not_hide_what_strained_it(monkeypatch, strained
     assert found[name].gain == (900.0 if strained else 20.0)
 
 
+@pytest.mark.parametrize("guess", [True, False])
+@pytest.mark.parametrize("settled", [True, False])
+def test_what_relieves_parameters_and_leaves_more_than_noise_is_held_against_others(
+    monkeypatch, settled, guess
+):
+    # A slew brought back a spool that a weak motor had made seem slow, and left 1.2 of the noise.
+    base = SimpleNamespace(gain=0.0, strained=True, hypothesis=Hypothesis(), **moved())
+    slew, motor = "spool.slew", "spool.amplitude-bandwidth"
+    let_fits_know_their_gains(monkeypatch)
+    monkeypatch.setattr(hypotheses, "is_strained", lambda fit: fit.strained)
+    monkeypatch.setattr(hypotheses, "leaves_noise", lambda cases, fit, noise: settled)
+    monkeypatch.setattr(hypotheses, "within_reach", lambda base, promises, reached, by: promises)
+    monkeypatch.setattr(hypotheses, "promises_from_nominal", lambda *given: {motor: 1300.0})
+    begins = []
+
+    def begun(*args, begin, **how):
+        begins.append(begin)
+        far = begin is Begin.IN_NOISE
+        return SimpleNamespace(gain=1200.0 if far else 10.0, strained=False)
+
+    monkeypatch.setattr(hypotheses, "fit", begun)
+    monkeypatch.setattr(hypotheses, "polished", lambda model, cases, found: found)
+    tried = Hypotheses(SimpleNamespace(steady=True, effects=()), [], may_guess=guess)
+    tried.fits[Hypothesis()] = base
+    for name, gain in {slew: 1000.0, motor: 0.0}.items():
+        tried.fits[Hypothesis().adding(name)] = SimpleNamespace(gain=gain, strained=False)
+    found = tried._best_fitted(base, [slew, motor], {slew: 1000.0}, lambda name, closer: False)
+    assert not tried.guessed
+    assert begins == ([] if settled else [Begin.ALONE, Begin.NOMINAL, Begin.IN_NOISE])
+    assert (motor in found) is not settled
+    assert settled or found[motor].gain == 1200.0
+
+
 @pytest.mark.parametrize(
     ("effect", "sizes"),
     [("spool.lineariser", 6), ("sensor.position-nonlinearity", 3), ("spool.null-bias", 1)],
