@@ -132,11 +132,17 @@ def _forces_at_rest(
         axes.scatter(
             time, holding, marker="_", s=90, lw=2.0, color=colour, label=f"held at most, {label}"
         )
-    axes.scatter(time, np.abs(force), s=14, color=MEASURED, zorder=3, label="force on the piston")
+    gone = diagnosis.model.breaks_away(case)[judged]
+    for there, marker, size, label in (
+        (~gone, "o", 14, "force on the piston"),
+        (gone, "^", 30, "... at which it breaks away"),
+    ):
+        dots = time[there], np.abs(force[there])
+        axes.scatter(*dots, s=size, marker=marker, color=MEASURED, zorder=3, label=label)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("force at rest [N]")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
 def _curves(axes: Any, diagnosis: Diagnosis, case: Case, fits: tuple[Fit, Fit], index: int) -> None:

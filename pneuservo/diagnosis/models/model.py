@@ -411,6 +411,10 @@ class Model:
         """
         raise NotImplementedError
 
+    def breaks_away(self, case: Case) -> Mask:
+        """Return where that force is the one at which what rested breaks away, (n,)."""
+        raise NotImplementedError
+
     def closeup(self, case: Case) -> slice:
         """Return the stretch of a recording that a picture should show."""
         return slice(None)

@@ -41,10 +41,10 @@ def breaking_away(recording: Recording, rig, values) -> tuple[np.ndarray, np.nda
     """Return force and friction at which the piston breaks away [N], and what is left of each."""
     model = ServoModel()
     case = next(case for case in model.cases(recording, rig) if case.channel == AT_REST)
-    fed = case.inputs["feed"]
-    force, holding = model.forces_at_rest(case, values)[:, fed.breaks_away]
-    left = -model.predict(case, values)[fed.breaks_away]
-    return np.array([fed.departures.side * force, holding]), fed.departures.side * left
+    gone, side = model.breaks_away(case), case.inputs["feed"].departures.side
+    force, holding = model.forces_at_rest(case, values)[:, gone]
+    left = -model.predict(case, values)[gone]
+    return np.array([side * force, holding]), side * left
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -260,6 +260,12 @@ class ServoModel(Model):
         """Return the force on the piston at rest and how much of it friction can hold [N]."""
         return forces_at_rest(case.inputs["feed"], values, case.rig)
 
+    def breaks_away(self, case: Case) -> Mask:
+        """Return where that force is the one at which the piston breaks away."""
+        found = np.zeros(len(case.recording.time), dtype=np.bool_)
+        found[case.inputs["feed"].breaks_away] = True
+        return found
+
     def tables(self, cases: Sequence[Case]) -> list[Table]:
         """Return tables of a force or a flow over everything that was recorded."""
         return tables_of(cases)
