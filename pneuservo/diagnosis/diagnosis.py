@@ -11,18 +11,18 @@ from pneuservo.diagnosis.as_found import as_found
 from pneuservo.diagnosis.enough_samples import require_enough_judged, require_enough_numbers
 from pneuservo.diagnosis.first_name import with_first_name
 from pneuservo.diagnosis.fit import Fit, explained
-from pneuservo.diagnosis.held_back import HeldBack, times_missed_at_best
+from pneuservo.diagnosis.held_back import HeldBack
 from pneuservo.diagnosis.judge import SMALLEST_SHARE
 from pneuservo.diagnosis.ledger import Step
 from pneuservo.diagnosis.locate import Dependence, strongest_dependence
 from pneuservo.diagnosis.models import Case, Model, model_of
 from pneuservo.diagnosis.models.model import Misfit
+from pneuservo.diagnosis.refuted import lack_of_fit, not_borne_out
 from pneuservo.diagnosis.rivals import SUREST
 from pneuservo.diagnosis.search import UNKNOWN_BETWEEN_SAMPLES, Search
 from pneuservo.diagnosis.side_by_side import at_a_time, side_by_side
 from pneuservo.diagnosis.strained import are_many_strained
 from pneuservo.diagnosis.unexplained import WORTH_SAYING, Unexplained, find_unexplained
-from pneuservo.effects import CATALOGUE
 from pneuservo.errors import InputError
 from pneuservo.naming import require_known
 from pneuservo.recordings import Recording
@@ -268,6 +268,8 @@ def diagnose(
                 search.drop_refuted(kept_out)
                 search.profile()
                 unexplained, misfit = _unexplained(search, kept_out)
+                if unexplained is None and misfit is None:
+                    misfit = lack_of_fit(search)
         repaired = search.chosen if unexplained is None else unexplained.fit
         if held_back:
             table = None if unexplained is None else unexplained.table
@@ -279,7 +281,7 @@ def diagnose(
                     kept_out.predicted(repaired, table),
                 )
                 if unexplained is None and misfit is None:
-                    misfit = _not_borne_out(search, kept_out, before, after)
+                    misfit = not_borne_out(search, kept_out, before, after)
     return Diagnosis(
         chosen_rig, model, search, kept_out.cases, before, after, unexplained, misfit, jobs
     )
@@ -333,27 +335,6 @@ def _speaks_against(search: Search, held_back: HeldBack, found: Unexplained) -> 
     if not judged and search.gained_where_judged(beside, found.fit) < found.table.least_gain:
         return UNKNOWN_BETWEEN_SAMPLES
     return ""
-
-
-def _not_borne_out(search: Search, held_back: HeldBack, before: Fit, after: Fit) -> Misfit | None:
-    """Return that names which leave noise of what was used do not hold elsewhere, if so.
-
-    Where they leave more than noise of what was used, a second effect may be what is missing, and
-    where another explains as much, that may be the one that holds.
-    """
-    names = [name for name in search.accepted if name in CATALOGUE]
-    if not search.model.tabulates or not names or not search.leaves_noise(search.chosen):
-        return None
-    if any({*search.alike(name)} - {*search.forms_of(name)} for name in names):
-        return None
-    times = times_missed_at_best(held_back, search.baseline, search.chosen, before, after)
-    if not times:
-        return None
-    words = (
-        f"what explains the recordings used ({', '.join(names)}) misses what was held back by "
-        f"{times:.2g} times its noise, and only stands in for it"
-    )
-    return Misfit(search.block_of(names[0]), words, 0.0, refutes=True)
 
 
 def _named(search: Search) -> float:
