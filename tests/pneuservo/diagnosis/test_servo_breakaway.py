@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from servo_recordings import NOISE, noisy
+from servo_recordings import NOISE, noisy, recorded
 
-from pneuservo.controllers import DigitalSlidingMode
+from pneuservo.controllers import DigitalSlidingMode, SlidingMode
 from pneuservo.diagnosis.fitting import fit
 from pneuservo.diagnosis.followed import likeliest_followed
 from pneuservo.diagnosis.hypothesis import Hypothesis
@@ -65,6 +65,16 @@ def test_friction_that_holds_less_is_told_as_one_that_holds_more(rig, seed):
     _, too_much = breaking_away(slides, rig, STICKING)
     assert np.mean(too_little) > 3.0
     assert np.mean(too_much) < -3.0
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_piston_that_is_pushed_hard_is_not_taken_to_go_later(rig, seed):
+    # Nearly without noise, from step to step: what brakes it grows within an interval.
+    quiet = {name: 1e-3 * size for name, size in NOISE.items()}
+    recording = replace(recorded(rig, SlidingMode(), seed, noise=quiet), noise_rms=NOISE)
+    (force, holding), _ = breaking_away(recording, rig, {})
+    assert len(force) >= 6
+    assert abs(np.median(force - holding)) < 2.5
 
 
 def test_a_piston_leaves_when_it_has_gone_farther_than_its_noise():

@@ -18,7 +18,7 @@ UNEVEN = 0.1
 _GIVES_WAY = 1e-5
 """By so much real friction may give way before it slips [m]: how far a piston has come when it has
 left its place is known no better. (At 516 departures in recordings without any effect the right
-friction was off by 0.84 of what all this makes of the force, root mean square, and by 4.3 at the
+friction was off by 0.58 of what all this makes of the force, root mean square, and by 3.1 at the
 most.)"""
 _RESTED = 0.06
 """What has been at rest for less may have slid to and fro [s]."""
