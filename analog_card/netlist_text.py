@@ -21,6 +21,12 @@ _DIRECTIVES = re.compile(
 # programs) and N (compiled models).
 _ELEMENTS = frozenset("bcdefghijklmopqrstuvwxyz")
 _MINIMUM_WORDS = {"r": 4, "c": 4, "l": 4}
+# Models of plain SPICE. Left out: those of code models, and of devices that are simulated
+# numerically (numd, nbjt, numos), which write files of their own.
+_MODELS = frozenset(
+    "c cpl csw d ltra njf nmf nmos npn nsoi pjf pmf pmos pnp psoi r l sw txl urc vdmos vdmosn "
+    "vdmosp".split()
+)
 _LARGEST_FILE = 5_000_000
 _LONGEST_LINE = 100_000
 _MOST_FILES = 200
@@ -315,6 +321,12 @@ def _require_title_and_end(path: Path, lines: list[Line]) -> None:
 
 def _refuse_harm(line: Line) -> None:
     words = line.text.lower().split()
+    if line.text.endswith("\\"):
+        line.refuse("a line that ends in \\", "begin the line that continues it with +")
+    if "ic.file" in line.text.lower():
+        line.refuse("a state that is read from a file", "state it by .ic or ic=")
+    if words[0] == ".model":
+        _refuse_model(line, words)
     if words[0].startswith("."):
         if not _DIRECTIVES.fullmatch(words[0]):
             line.refuse(
@@ -323,6 +335,9 @@ def _refuse_harm(line: Line) -> None:
                 "with sections (.lib) and compiled models are not run",
             )
         return
+    # ngspice writes over the first letter of what it leaves out, and runs what begins with *#.
+    if words[0][1:2] == "#":
+        line.refuse("a hidden command", "a name may not begin with a letter and #")
     if ASSIGNMENT.match(line.text):
         line.refuse("an assignment in place of an element", f"write .param {line.text[:80]}")
     if words[0][0] not in _ELEMENTS:
@@ -331,6 +346,15 @@ def _refuse_harm(line: Line) -> None:
         line.refuse("an external source", "nothing drives it here; give it a value or a waveform")
     if len(words) < _MINIMUM_WORDS.get(words[0][0], 1):
         line.refuse("too few words", "two nodes and a value are needed")
+
+
+def _refuse_model(line: Line, words: Sequence[str]) -> None:
+    kind = re.split(r"[\s(]", words[2], maxsplit=1)[0] if len(words) > 2 else ""
+    if kind not in _MODELS:
+        line.refuse(
+            f"a model of type {kind!r}",
+            f"allowed are those of plain SPICE: {', '.join(sorted(_MODELS))}",
+        )
 
 
 def _parameter_lines(lines: Sequence[Line]) -> Iterator[int]:

@@ -181,6 +181,8 @@ def test_a_name_that_hdf5_cannot_hold_is_refused(analog_card, tmp_path, name):
         ".include ../secret.lib",
         ".lib ../secret.lib tt",
         "A1 a b code\n.model code d_process(process_file=touch)",
+        ".model m numd level=1 \\\\\noutput rootfile=ran",
+        ".model d_state numd level=1\nD1 a 0 d_state",
     ],
 )
 def test_what_is_not_a_circuit_is_refused(analog_card, tmp_path, lines):
@@ -190,6 +192,15 @@ def test_what_is_not_a_circuit_is_refused(analog_card, tmp_path, lines):
     result = analog_card("simulate inner/bad.cir --analysis op")
     assert result.exit_code == 2
     assert "bad.cir, line 3" in result.output
+    assert not list(tmp_path.rglob("ran"))
+
+
+def test_a_command_behind_the_first_letter_of_an_element_is_not_run(analog_card, tmp_path):
+    part = ".subckt unused a b\nv#shell touch ran\n.ends"
+    (tmp_path / "bad.cir").write_text(f"bad\nV1 a 0 1\nR1 a 0 1k\n{part}\n.end\n")
+    result = analog_card("simulate bad.cir --analysis op")
+    assert result.exit_code == 2
+    assert "bad.cir, line 5: a hidden command" in result.output
     assert not list(tmp_path.rglob("ran"))
 
 
