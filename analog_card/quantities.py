@@ -214,6 +214,10 @@ def _convert(value: str | float, unit: str, what: str) -> float:
         ) from problem
     if quantity.unitless and str(quantity.units) == "dimensionless":
         return float(quantity.magnitude)
+    if unit == "Hz" and "radian" in str(quantity.to_root_units().units):
+        raise InputError(
+            f"{what}: {value!r} is an angular frequency; divide it by 2 pi and write it in Hz"
+        )
     try:
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as problem:

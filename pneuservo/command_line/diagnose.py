@@ -9,9 +9,15 @@ import click
 
 from analog_card.console import Count, progress, writing
 from analog_card.files import require_writable, write_files
-from pneuservo.command_line.recording_files import Window, read, require_unread
+from pneuservo.command_line.recording_files import (
+    Window,
+    read,
+    require_room_for_valve,
+    require_unread,
+)
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
+from pneuservo.rigs import load_rig
 
 
 class _ManyValidated(click.Command):
@@ -113,6 +119,7 @@ def command(
         used = [read(path, rig, window) for path in recordings]
         held_back = [read(path, rig, validate_window) for path in validate]
         require_unread([out / name for name in NAMES], [*used, *held_back])
+        require_room_for_valve(load_rig(rig or used[0].rig), out, [*NAMES, "report.html"])
         _require_apart(used, held_back)
         with writing("--out", out):
             require_writable(out)

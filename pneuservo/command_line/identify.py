@@ -11,7 +11,12 @@ import tomli_w
 from analog_card.console import Count, Quantity, progress, warn
 from analog_card.files import write_files
 from analog_card.plain_json import plain_json
-from pneuservo.command_line.recording_files import Window, read, require_unread
+from pneuservo.command_line.recording_files import (
+    Window,
+    read,
+    require_room_for_valve,
+    require_unread,
+)
 from pneuservo.command_line.unused_options import refuse_unused
 from pneuservo.errors import InputError
 from pneuservo.rigs import Rig, load_rig
@@ -21,6 +26,7 @@ METHODS = ("output-error", "least-squares", "evolution")
 # Options that only some of them use.
 _SIMULATING, _FILTERING = ("segment", "command"), ("cutoff", "dead_band", "direction")
 _USED = {"output-error": _SIMULATING, "least-squares": _FILTERING, "evolution": _SIMULATING}
+_WRITTEN = ("identification.json", "rig.toml", "fit.svg")
 _EPILOG = """\b
 Examples:
   pneuservo simulate --controller proportional --demand "15,20,12,15 mm" --out moves.csv
@@ -95,9 +101,10 @@ def command(
     with progress() as step:
         step("reading the recordings")
         used = [read(path, rig, window) for path in recordings]
-        require_unread([out / "rig.toml", out / "identification.json"], used)
-        step("identifying")
+        require_unread([out / name for name in _WRITTEN], used)
         known = load_rig(used[0].rig)
+        require_room_for_valve(known, out, _WRITTEN)
+        step("identifying")
         found, each = _identified(known.kind, method, used, rig, options)
         step("writing")
         answer = _document(found, each, known.kind)

@@ -13,6 +13,8 @@ from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
 from pneuservo.recordings.time_checks import FEWEST_SAMPLES
+from pneuservo.rigs import Rig
+from pneuservo.rigs.rig_file import files_beside
 
 
 class Window(click.ParamType):
@@ -76,6 +78,31 @@ def read(path: str, rig: str | None, window: tuple[float, float] | None = None) 
             f"least {FEWEST_SAMPLES} are needed; the recording runs from {first:g} to {last:g} s"
         )
     return cut
+
+
+def require_room_for_valve(rig: Rig, folder: Path, names: Sequence[str]) -> None:
+    """Refuse to write the valve file of a rig over another file.
+
+    Parameters
+    ----------
+    rig : Rig
+        Its valve file, if it has one, is written beside its copy.
+    folder : Path
+        Where to.
+    names : sequence of str
+        What else is written there.
+
+    Raises
+    ------
+    InputError
+        When there is another file of that name, or one of that name is written.
+    """
+    for name, text in files_beside(rig).items():
+        there = folder / name
+        if name in names or (there.is_file() and there.read_bytes() != text.encode()):
+            raise InputError(
+                f"{there}: the valve file of {rig.name} would take its place; choose another folder"
+            )
 
 
 def require_unread(

@@ -67,7 +67,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         with h5py.File(path, "r") as file:
             yield file
-    except (OSError, RuntimeError, KeyError, ValueError) as problem:
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, MemoryError) as problem:
         # h5py reports damage in any of these, depending on what it was reading.
         raise InputError(
             f"{path}: is cut off or not an HDF5 file ({problem}); get a whole copy"
@@ -117,7 +117,8 @@ def _columns(name: str, dataset: Any, path: Path) -> dict[str, _Column]:
         )
     if dataset.size is None or dataset.size < 2:
         return {}  # empty, or a single value beside the samples
-    require_few(path, repr(name), dataset.size)
+    # In numbers, however long the strings beside them.
+    require_few(path, repr(name), max(dataset.size, dataset.size * dataset.dtype.itemsize // 8))
     if dataset.dtype.names:
         return {
             f"{name}/{field}": _Column(name, field=field)

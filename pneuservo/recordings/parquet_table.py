@@ -37,11 +37,11 @@ def open_parquet(path: Path, shape: TableShape) -> Table:
             file = parquet.ParquetFile(stream)
             require_few(path, "the table", file.metadata.num_rows * file.metadata.num_columns)
             table = file.read()
-    except (pyarrow.ArrowException, OSError) as problem:
+            own = list(table.column_names)
+    except (pyarrow.ArrowException, OSError, ValueError) as problem:
         raise InputError(
             f"{path}: is cut off or not a Parquet file ({problem}); get a whole copy"
         ) from problem
-    own = list(table.column_names)
     for name in own:
         if own.count(name) > 1:
             raise InputError(f"{path}: the column name {name!r} appears more than once")
@@ -56,6 +56,9 @@ def open_parquet(path: Path, shape: TableShape) -> Table:
 def _array(column: Any) -> Any:
     import pyarrow
 
+    if pyarrow.types.is_dictionary(column.type):
+        # As it is, a missing sample would be read as another value.
+        column = column.cast(column.type.value_type)
     kind = column.type
     if pyarrow.types.is_decimal(kind) or pyarrow.types.is_integer(kind):
         column = column.cast(pyarrow.float64(), safe=False)

@@ -63,8 +63,8 @@ class ChannelSource:
         Its unit, after `scale` and `offset`.
     scale, offset : float
         value = raw * scale + offset.
-    gauge : bool
-        Whether the ambient pressure has to be added.
+    gauge : bool, optional
+        Whether the ambient pressure has to be added; None where only the unit may say so.
     noise_rms : str or float, optional
         The noise as written.
     """
@@ -73,7 +73,7 @@ class ChannelSource:
     unit: str | None = None
     scale: float = 1.0
     offset: float = 0.0
-    gauge: bool = False
+    gauge: bool | None = None
     noise_rms: str | float | None = None
 
 
@@ -239,7 +239,7 @@ def _channel_source(name: str, entry: Any, where: str) -> ChannelSource:
         raise InputError(f"{where} is {entry!r}; it has to say the column: {example}")
     for key in entry:
         require_known(key, _SOURCE_KEYS, where)
-    gauge = _typed(entry, "gauge", bool, False, where)
+    gauge = _typed(entry, "gauge", bool, False, where) if "gauge" in entry else None
     if gauge and not CHANNELS[name].pressure:
         raise InputError(f"{where}: gauge = true is only for pressures; remove it")
     scale = _number(entry, "scale", 1.0, where)

@@ -84,7 +84,17 @@ def time_source(table: Table, sidecar: Sidecar) -> TimeSource:
     """
     if sidecar.time is not None:
         source = sidecar.time
-        if source.column is not None and source.unit is None:
+        if source.column is None:
+            return source
+        column = table.find(source.column, f"{sidecar.path}: [time]")
+        if source.unit != "s" and table.holds_time_stamps(column):
+            if source.unit is not None:
+                raise InputError(
+                    f"{sidecar.path}: [time] column {source.column!r} holds dates and times, "
+                    f"and its unit is {source.unit!r}; leave the unit out"
+                )
+            return TimeSource(source.column, "s")
+        if source.unit is None:
             if source.column != TIME:
                 raise InputError(
                     f"{sidecar.path}: [time] column {source.column!r} has no unit; "
@@ -196,8 +206,12 @@ def samples_in_si(
     channel = CHANNELS[name]
     where = f"{sidecar.path}: [channels] {name}"
     how = conversion(_unit(source, channel, where), channel.unit, f"{where} unit")
-    if source.gauge and how.gauge is False:
-        raise InputError(f"{where}: the unit says absolute, and gauge = true; keep one of them")
+    if None not in (source.gauge, how.gauge) and source.gauge != how.gauge:
+        said = "gauge" if how.gauge else "absolute"
+        raise InputError(
+            f"{where}: the unit says {said}, and gauge = {str(source.gauge).lower()}; "
+            "keep one of them"
+        )
     with np.errstate(over="ignore"):
         values = (raw * source.scale + source.offset) * how.scale + how.offset
     if np.isinf(values).any():

@@ -109,6 +109,16 @@ class Table:
             f"its columns are: {listed}{more}{nearest(name, self.names)}"
         )
 
+    def holds_time_stamps(self, name: str) -> bool:
+        """Return whether a column holds dates and times, which `read` turns into seconds.
+
+        Parameters
+        ----------
+        name : str
+            Its full name.
+        """
+        return np.asarray(self.load([name])[name]).dtype.kind == "M"
+
     def read(self, names: Sequence[str]) -> dict[str, Array]:
         """Return columns as numbers.
 

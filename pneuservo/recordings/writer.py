@@ -39,7 +39,8 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     ------
     InputError
         When the suffix is another, a channel or condition is not known, or the files that the
-        recording was read from, or another file that is no sidecar, would be written over.
+        recording was read from, the sidecar of a recording of the same name in another form, or
+        another file that is no sidecar, would be written over.
 
     Notes
     -----
@@ -66,6 +67,7 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     sidecar_path = path.with_suffix(".toml")
     _protect_source(recording, path, sidecar_path)
     sidecar = _sidecar(recording, path)
+    _protect_another(path, sidecar)
     data = encode({"time": recording.time, **recording.channels})
     write_whole(sidecar_path, sidecar)
     return write_whole(path, data)
@@ -118,6 +120,21 @@ def _protect_source(recording: Recording, path: Path, sidecar_path: Path) -> Non
             )
 
 
+def _protect_another(path: Path, sidecar: str) -> None:
+    """Refuse a sidecar that would say of a recording in another form what is not so."""
+    from pneuservo.recordings.reader import SUFFIXES
+
+    there = path.with_suffix(".toml")
+    if not there.is_file() or there.read_bytes() == sidecar.encode():
+        return
+    for suffix in SUFFIXES:
+        other = path.with_suffix(suffix)
+        if suffix != path.suffix.lower() and other.exists():
+            raise InputError(
+                f"{path}: its sidecar would take the place of that of {other}; choose another name"
+            )
+
+
 def _csv(columns: _Columns) -> bytes:
     import pandas
 
@@ -158,10 +175,10 @@ def _sidecar(recording: Recording, path: Path) -> str:
 
     head: dict[str, Any] = {"title": recording.title, "rig": recording.rig}
     if recording.rig not in (*BUILT_IN_RIGS, *VARIANTS):
-        head["rig"] = _beside(Path(recording.rig), path.parent)
+        head["rig"] = _beside(Path(recording.rig), path)
         valve = load_rig(recording.rig).valve
         if valve.endswith(".toml"):
-            _beside(Path(valve), (path.parent / head["rig"]).parent)
+            _beside(Path(valve), (path.parent / head["rig"]).parent / path.name)
     if recording.taken:
         head["taken"] = _date(recording.taken)
     head["notes"] = recording.notes
@@ -206,7 +223,7 @@ def _controller(recording: Recording, path: Path) -> dict[str, Any]:
 
 def _card(recording: Recording, path: Path) -> dict[str, Any]:
     if "design" in recording.card:
-        return {"design": _beside(Path(recording.card["design"]), path.parent)}
+        return {"design": _beside(Path(recording.card["design"]), path)}
     for key in recording.card:
         require_known(key, CARD_UNITS, f"{path}: card")
     return _with_units(recording.card, CARD_UNITS)
@@ -227,8 +244,9 @@ def _date(text: str) -> datetime.date | str:
         return text
 
 
-def _beside(path: Path, folder: Path) -> str:
-    """Return the name of a file relative to a folder, copied into it when it is elsewhere."""
+def _beside(path: Path, recording: Path) -> str:
+    """Return the name of a file relative to a recording's folder, copied there from elsewhere."""
+    folder = recording.parent
     try:
         content = path.read_bytes()
     except OSError as problem:
@@ -236,6 +254,11 @@ def _beside(path: Path, folder: Path) -> str:
     if path.resolve().is_relative_to(folder.resolve()):
         return path.resolve().relative_to(folder.resolve()).as_posix()
     target = folder / path.name
+    if target == recording.with_suffix(".toml"):
+        raise InputError(
+            f"{recording}: its sidecar would take the place of {path.name}, which the recording "
+            "refers to; choose another name"
+        )
     if target.exists() and target.read_bytes() != content:
         raise InputError(
             f"{target}: is another file than {path}, which the recording refers to; "

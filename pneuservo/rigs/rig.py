@@ -1,6 +1,7 @@
 """A rig: which chain of blocks it is, and the numbers in them."""
 
 import math
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -194,7 +195,8 @@ def load_rig(name_or_path: str | Path) -> Rig:
     ----------
     name_or_path : str or Path
         A name of `BUILT_IN_RIGS` or `VARIANTS`, or the path of a file. A file names its ``kind``
-        and need only state what differs from the built-in rig of that kind.
+        and need only state what differs from the built-in rig of that kind; another value without
+        a tolerance is known as well as the built-in one, in share of the value.
 
     Returns
     -------
@@ -301,7 +303,15 @@ def _valve(valve: str, path: Path) -> str:
         return valve
     if Path(valve).name != valve:
         raise InputError(f"{path} [rig]: valve is {valve!r}; a valve file stands beside the rig's")
-    return str(path.parent / valve)
+    beside = path.parent / valve
+    target = Path(os.path.realpath(beside))
+    if target.parent != Path(os.path.realpath(path.parent)) or (
+        target.exists() and not target.is_file()
+    ):
+        raise InputError(
+            f"{path} [rig]: valve {valve!r} leads to {target}; copy the valve's file beside the rig's"
+        )
+    return str(beside)
 
 
 def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) -> Parameter:
@@ -314,7 +324,7 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
     _require_unit(entry, unit, what)
     try:
         value = to_si(entry["value"], unit, what) if "value" in entry else base.value
-        tolerance = base.tolerance
+        tolerance = tolerance_of_another(base, value)
         if "tolerance" in entry:
             tolerance = _tolerance(entry["tolerance"], value, unit, f"{what} tolerance")
         nominal = to_si(entry["nominal"], unit, what) if "nominal" in entry else base.nominal
@@ -322,6 +332,31 @@ def _parameter(entry: Any, unit: str, what: str, base: Parameter | None = None) 
         raise InputError(str(problem)) from problem
     free, source = bool(entry.get("free", base.free)), str(entry.get("source", base.source))
     return Parameter(value, unit, tolerance, free, source, nominal)
+
+
+def tolerance_of_another(parameter: Parameter, value: float) -> float:
+    """Return the tolerance of a parameter that has another value and is known no better or worse.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        With its own value and tolerance.
+    value : float
+        The other [its unit].
+
+    Returns
+    -------
+    float
+        The same share of the value; of one that is zero, or not a number, the same tolerance.
+
+    Examples
+    --------
+    >>> tolerance_of_another(Parameter(2.0, "kg", tolerance=0.06), 4.0)
+    0.12
+    """
+    if not parameter.tolerance or not abs(parameter.value) > 0.0:
+        return parameter.tolerance
+    return parameter.tolerance * abs(value / parameter.value)
 
 
 def _require_unit(entry: Mapping[str, Any], unit: str, what: str) -> None:
@@ -337,7 +372,7 @@ def _repeats(value: float, parameter: Parameter) -> bool:
 def _tolerance(tolerance: Any, value: float, unit: str, what: str) -> float:
     """Return a tolerance in the unit of the value; a percentage or a number is relative to it."""
     if isinstance(tolerance, str) and not tolerance.strip().endswith("%"):
-        return abs(to_si(tolerance, unit, what))
+        return abs(_difference(tolerance, unit, what))
     return abs(to_si(tolerance, "", what) * value)
 
 
@@ -381,9 +416,14 @@ def _effect(entry: Any, known: Mapping[str, Any], what: str) -> dict[str, float]
 
 def _size(number: float | str, unit: str, where: str) -> float:
     """Return a parameter of an effect in SI; one in kelvin is a difference of temperatures."""
-    if unit == "K" and isinstance(number, str) and not number.rstrip().endswith("K"):
-        raise InputError(f"{where}: {number!r} may be no difference of temperatures; write it in K")
     try:
-        return to_si(number, unit.replace("^", "**"), where)
+        return _difference(number, unit.replace("^", "**"), where)
     except QuantityError as problem:
         raise InputError(str(problem)) from problem
+
+
+def _difference(number: float | str, unit: str, where: str) -> float:
+    """Return a difference in SI: 2 degC would be a temperature."""
+    if unit == "K" and isinstance(number, str) and not number.rstrip().endswith("K"):
+        raise InputError(f"{where}: {number!r} may be no difference of temperatures; write it in K")
+    return to_si(number, unit, where)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from pneuservo.errors import InputError
-from pneuservo.rigs.rig import Parameter, Rig, load_rig
+from pneuservo.rigs.rig import Parameter, Rig, load_rig, tolerance_of_another
 
 
 def rig_document(rig: Rig) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def rig_document(rig: Rig) -> dict[str, Any]:
     Examples
     --------
     >>> rig_document(load_rig("single-axis").with_values({"load.mass": 2.0}))["parameters"]
-    {'load.mass': {'value': 2.0, 'unit': 'kg'}}
+    {'load.mass': {'value': 2.0, 'unit': 'kg', 'tolerance': '0.05475 kg'}}
     """
     built_in = load_rig(rig.kind)
     head = {"kind": rig.kind, "title": rig.title}
@@ -70,6 +70,8 @@ def files_beside(rig: Rig) -> dict[str, str]:
         return {path.name: path.read_text(encoding="utf-8")}
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {problem.strerror}") from problem
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not UTF-8 text; a valve file is needed") from None
 
 
 def _entry(parameter: Parameter, built_in: Parameter) -> dict[str, Any]:
@@ -77,7 +79,7 @@ def _entry(parameter: Parameter, built_in: Parameter) -> dict[str, Any]:
     entry: dict[str, Any] = {}
     if parameter.value != built_in.value:
         entry |= {"value": parameter.value, "unit": parameter.unit}
-    if parameter.tolerance != built_in.tolerance:
+    if parameter.tolerance != tolerance_of_another(built_in, parameter.value):
         entry["tolerance"] = f"{parameter.tolerance!r} {parameter.unit}".strip()
     for name in ("free", "source", "nominal"):
         value = getattr(parameter, name)

@@ -34,6 +34,13 @@ def test_one_number_with_a_unit_is_read(text, unit, value):
     assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
 
 
+@pytest.mark.parametrize("text", ["628 rad/s", "3000 rpm", "2 cycle/s", "5 deg/s"])
+def test_an_angular_frequency_is_no_frequency(text):
+    with pytest.raises(InputError, match="is an angular frequency; divide it by 2 pi"):
+        to_si(text, "Hz")
+    assert to_si("2 kHz", "Hz") == to_si("2000 1/s", "Hz") == 2000.0
+
+
 @pytest.mark.parametrize("text", ["1,5", "4,5 V", "0,07 V", "1,825 V"])
 def test_a_decimal_comma_is_no_other_number(text):
     with pytest.raises(InputError, match="a decimal point is needed in place of the comma"):

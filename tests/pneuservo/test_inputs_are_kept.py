@@ -70,6 +70,18 @@ def test_what_is_read_is_not_written_over(folder, command, words, kept):
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
 
 
+@pytest.mark.parametrize("command", ["diagnose", "identify"])
+def test_another_valve_file_is_not_written_over(folder, command):
+    (folder / "lab").mkdir()
+    (folder / "lab" / "valve.toml").write_text("tables of a valve")
+    text = '[rig]\nkind = "single-axis"\nvalve = "valve.toml"\n'
+    (folder / "lab" / "rig.toml").write_text(text)
+    outcome = CliRunner().invoke(main, [command, "loop.csv", "--rig", "lab/rig.toml", "--out", "."])
+    assert outcome.exit_code == 2, outcome.output
+    assert "valve.toml: the valve file of lab/rig.toml would take its place" in outcome.output
+    assert "not looked into" in (folder / "valve.toml").read_text()
+
+
 def test_a_link_is_followed_and_a_pipe_stays_one(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_whole(tmp_path / "link", "text")

@@ -79,6 +79,25 @@ def test_a_file_states_only_what_differs(tmp_path):
     assert (rig.title, rig["load.mass"], rig["piston.stroke"]) == ("heavy", 6.82, 0.05)
     assert rig.parameters["piston.stroke"].tolerance == pytest.approx(1e-4)
     assert rig["supply.pressure"] == load_rig("single-axis")["supply.pressure"]
+    # Another mass is known as well, in share of it, as the built-in one.
+    assert rig.parameters["load.mass"].tolerance == pytest.approx(0.03 * 6.82)
+
+
+def test_a_tolerance_of_a_temperature_is_a_difference(tmp_path):
+    text = '[rig]\nkind = "single-axis"\n[parameters]\ntemperature = {{ tolerance = "2 {}" }}\n'
+    assert load_rig(write(tmp_path, text.format("K"))).parameters["temperature"].tolerance == 2.0
+    with pytest.raises(InputError, match="no difference of temperatures; write it in K"):
+        load_rig(write(tmp_path, text.format("degC")))
+
+
+def test_a_valve_that_is_a_link_to_elsewhere_is_refused(tmp_path):
+    (tmp_path / "secret").write_text("machine x")
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab" / "valve.toml").symlink_to(tmp_path / "secret")
+    path = tmp_path / "lab" / "rig.toml"
+    path.write_text('[rig]\nkind = "seal-tester"\nvalve = "valve.toml"\n')
+    with pytest.raises(InputError, match="'valve.toml' leads to .*secret"):
+        load_rig(path)
 
 
 def test_a_file_may_hold_effects(tmp_path):

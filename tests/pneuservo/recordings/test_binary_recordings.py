@@ -220,6 +220,27 @@ def test_time_stamps_become_seconds_from_the_start(tmp_path):
     assert read_recording(path).time == pytest.approx(TIME, abs=1e-12)
 
 
+def test_time_stamps_of_another_name_need_no_unit_and_take_none(tmp_path, refusal):
+    stamps = np.datetime64("1998-05-12T10:00:00") + (1000 * TIME).astype("timedelta64[ms]")
+    path = write_parquet(tmp_path / "run.parquet", {"Time": stamps, "force": LASER})
+    sidecar = path.with_suffix(".toml")
+    channel = '[channels]\nforce = { column = "force", unit = "N" }\n'
+    sidecar.write_text(f'[time]\ncolumn = "Time"\n{channel}')
+    assert read_recording(path).time == pytest.approx(TIME, abs=1e-12)
+    sidecar.write_text(f'[time]\ncolumn = "Time"\nunit = "ms"\n{channel}')
+    assert "holds dates and times, and its unit is 'ms'" in refusal(path)
+
+
+def test_missing_samples_of_encoded_columns_stay_missing(tmp_path):
+    values = [None if k == 8 else float(k % 3) for k in range(COUNT)]
+    encoded = pyarrow.array(values).dictionary_encode()
+    path = tmp_path / "run.parquet"
+    parquet.write_table(pyarrow.table({"time": TIME, "force": encoded}), path)
+    recording = read_recording(path)
+    # Bridged between its neighbours, 1 and 0.
+    assert recording["force"][8] == 0.5
+
+
 def test_a_column_of_text_is_refused(tmp_path, refusal):
     columns = {"time": TIME, "force": [f"{x}" for x in LASER]}
     message = refusal(write_parquet(tmp_path / "run.parquet", columns))
@@ -360,4 +381,9 @@ def test_a_small_file_that_claims_to_be_huge_is_refused(tmp_path, refusal):
     with h5py.File(path, "r+") as file:
         file.create_dataset("force", (10**11,), "f8", chunks=(1024,))
     assert path.stat().st_size < 100_000
+    assert "more than" in refusal(path)
+    with h5py.File(path, "r+") as file:
+        del file["force"]
+        wide = np.dtype([("x", "f8"), ("pad", "S100000")])
+        file.create_dataset("force", (1_000_000,), wide, chunks=(1,))
     assert "more than" in refusal(path)

@@ -366,6 +366,18 @@ REFUSED = [
         id="unit of another dimension",
     ),
     pytest.param(
+        sidecar(
+            channels=channel('pressure_a = { column = "x", unit = "bar gauge", gauge = false }')
+        ),
+        ["the unit says gauge, and gauge = false"],
+        id="gauge and not",
+    ),
+    pytest.param(
+        sidecar('[card]\nbreak_frequency = "31416 rad/s"\n'),
+        ["break_frequency", "'rad/s'", "a frequency"],
+        id="an angular frequency",
+    ),
+    pytest.param(
         sidecar(channels=channel('displacement = { column = "x", unit = "dimensionless" }')),
         ["wrong dimension", "a length"],
         id="a pure number for a length",

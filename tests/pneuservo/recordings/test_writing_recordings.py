@@ -145,6 +145,25 @@ def test_the_recording_that_was_read_is_not_written_over(tmp_path, name):
     assert {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()} == before
 
 
+def test_the_sidecar_of_another_form_is_not_written_over(tmp_path):
+    write_recording(FULL, tmp_path / "run.csv")
+    before = (tmp_path / "run.toml").read_bytes()
+    with pytest.raises(InputError, match=r"would take the place of that of .*run\.csv"):
+        write_recording(dataclasses.replace(FULL, title="another"), tmp_path / "run.h5")
+    assert (tmp_path / "run.toml").read_bytes() == before
+    write_recording(FULL, tmp_path / "run.h5")
+
+
+def test_a_sidecar_does_not_take_the_place_of_the_rig_that_goes_along(tmp_path):
+    (tmp_path / "lab").mkdir()
+    rig = tmp_path / "lab" / "axis.toml"
+    rig.write_text('[rig]\nkind = "single-axis"\n')
+    recording = dataclasses.replace(FULL, rig=str(rig), card={})
+    with pytest.raises(InputError, match=r"would take the place of axis\.toml"):
+        write_recording(recording, tmp_path / "out" / "axis.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["lab"]
+
+
 def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = write_recording(FULL, tmp_path / "run.csv")
     before = path.read_bytes()
