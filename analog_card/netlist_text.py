@@ -24,9 +24,9 @@ _MINIMUM_WORDS = {"r": 4, "c": 4, "l": 4}
 # Models of plain SPICE. Left out: those of code models, and of devices that are simulated
 # numerically (numd, nbjt, numos), which write files of their own.
 _MODELS = frozenset(
-    "c cpl csw d ltra njf nmf nmos npn nsoi pjf pmf pmos pnp psoi r l sw txl urc vdmos vdmosn "
-    "vdmosp".split()
-)
+    {"c", "cpl", "csw", "d", "l", "ltra", "njf", "nmf", "nmos", "npn", "nsoi", "pjf", "pmf",
+     "pmos", "pnp", "psoi", "r", "sw", "txl", "urc", "vdmos", "vdmosn", "vdmosp"}
+)  # fmt: skip
 _LARGEST_FILE = 5_000_000
 _LONGEST_LINE = 100_000
 _MOST_FILES = 200

@@ -52,16 +52,22 @@ RESONANCE = Effect(
     statement=(
         "The air in the hoses swings against the chambers; the model's hoses have no inertia."
     ),
-    equation="m'' = w^2 (m_valve - m) - 2 damping w m', w = 2 pi frequency sqrt(V_mid/V)",
+    equation=(
+        "m'' = w^2 V_mid ((m_valve - m)/V_hose - m/V) - 2 damping w m', w = 2 pi frequency, "
+        "V_hose half the dead volume"
+    ),
     parameters=(
         EffectParameter(
-            "frequency", "Hz", 0.0, 0.0, 400.0, (32.0, 90.0, 200.0), "at mid-stroke; 0 for none",
-            "line.frequency",
+            "frequency", "Hz", 0.0, 0.0, 400.0, (32.0, 90.0, 200.0),
+            "at mid-stroke with the valve's end open; 0 for none", "line.frequency",
         ),
         EffectParameter("damping", "", 0.2, 0.01, 1.5, (0.2,), "damping ratio", "line.damping"),
     ),
     source="Helmholtz; Richer and Hurmuzlu 2000: 32 Hz at 1 m, 94 Hz at 0.1 m",
-    experiment="ring it with the piston locked at two places: the frequency moves with the volume",
+    experiment=(
+        "ring it with the piston locked at two places and the valve wide open: the frequency moves "
+        "with the volume (shut, it rings higher, on the air of the hose)"
+    ),
 )  # fmt: skip
 WALL_COMPLIANCE = Effect(
     id="line.wall-compliance",

@@ -309,7 +309,7 @@ def _valve(valve: str, path: Path) -> str:
         target.exists() and not target.is_file()
     ):
         raise InputError(
-            f"{path} [rig]: valve {valve!r} leads to {target}; copy the valve's file beside the rig's"
+            f"{path} [rig]: valve {valve!r} leads to {target}; copy that file beside the rig's"
         )
     return str(beside)
 

@@ -96,7 +96,7 @@ def test_a_valve_that_is_a_link_to_elsewhere_is_refused(tmp_path):
     (tmp_path / "lab" / "valve.toml").symlink_to(tmp_path / "secret")
     path = tmp_path / "lab" / "rig.toml"
     path.write_text('[rig]\nkind = "seal-tester"\nvalve = "valve.toml"\n')
-    with pytest.raises(InputError, match="'valve.toml' leads to .*secret"):
+    with pytest.raises(InputError, match=r"'valve\.toml' leads to .*secret"):
         load_rig(path)
 
 

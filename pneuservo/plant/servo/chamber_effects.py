@@ -104,7 +104,8 @@ def gas_rates(
 
     Notes
     -----
-    Without a temperature of its own the chamber follows (4.12). With it the exact energy balance
+    Without a temperature of its own the chamber follows (4.12) at the room's temperature, which
+    what flows in takes at once, however warm it is. With it the exact energy balance
     (4.10) and (4.14): ideal gas, uniform in the chamber, heat by one constant coefficient
     (Carneiro and Gomes de Almeida 2006). No heat transfer makes it adiabatic, much isothermal.
     """

@@ -5,7 +5,7 @@ from pneuservo.plant.events import is_relay
 from pneuservo.plant.piston import is_moving, motion_from, motion_margin
 from pneuservo.plant.servo.chain import commanded_voltage, motor_command, pressure_share, surface
 from pneuservo.plant.servo.compilation import compiled, compiled_apart
-from pneuservo.plant.servo.mechanics import force_and_piston
+from pneuservo.plant.servo.mechanics import force_and_piston, throw_on
 from pneuservo.plant.servo.spool_effects import travel_end
 from pneuservo.plant.single_axis import (
     DISPLACEMENT,
@@ -107,6 +107,7 @@ def _settle_piston(state, modes, memory, drive, elapsed, servo):
         return
     state[DISPLACEMENT] = min(max(displacement, 0.0), stroke)
     if is_moving(motion) or displacement != state[DISPLACEMENT]:
+        throw_on(state, servo)
         state[VELOCITY] = 0.0
         force, held = force_and_piston(state, modes, memory, drive, elapsed, servo)
     modes[MOTION] = motion_from(state[DISPLACEMENT], state[VELOCITY], force, held)

@@ -10,13 +10,16 @@ _FLANK_STIFFNESS = 1e6
 _FLANK_DAMPING = 100.0
 
 
+_STANDARD_GRAVITY = 9.81
+
+
 class LoadEffects(NamedTuple):
     """Parameters of the effects of the load."""
 
     spring: float = 0.0
     """Stiffness of a spring that is free at mid-stroke [N/m]."""
     tilt: float = 0.0
-    """Angle of the axis against the direction in which gravity acts fully [rad]."""
+    """Angle by which the axis is turned from where it is said to stand, rod upwards [rad]."""
     mode_share: float = 0.0
     """Moving mass of a structural mode as a share of the whole [-]."""
     mode_frequency: float = 20.0
@@ -48,19 +51,37 @@ def spring_force(displacement, stroke, effects):
 
 
 @compiled
-def tilt_force(weight, effects):
+def tilt_force(mass, gravity, effects):
     """Return what a tilt changes in the weight along the axis [N].
 
     Parameters
     ----------
-    weight : float
-        Along the axis without tilt [N].
+    mass : float
+        Whole moved mass [kg].
+    gravity : float
+        Its component along the axis without tilt, positive extends [m/s^2].
     effects : LoadEffects
         The effects.
+
+    Notes
+    -----
+    From where the axis stands without it, as the component says, a positive tilt turns the rod
+    upwards (4.23). Of one that hangs straight down both signs are alike.
+
+    Examples
+    --------
+    A rod that hangs down loses 1 - cos of its weight, one that lies level sin:
+
+    >>> round(tilt_force(1.0, 9.81, LoadEffects(tilt=0.1)), 3)
+    -0.049
+    >>> round(tilt_force(1.0, 0.0, LoadEffects(tilt=0.1)), 3)
+    -0.979
     """
     if effects.tilt == 0.0:
         return 0.0
-    return weight * (math.cos(effects.tilt) - 1.0)
+    whole = max(_STANDARD_GRAVITY, abs(gravity))
+    turned = math.acos(gravity / whole) + effects.tilt
+    return mass * (whole * math.cos(turned) - gravity)
 
 
 @compiled

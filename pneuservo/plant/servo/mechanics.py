@@ -122,7 +122,7 @@ def smooth_force(state, drive, elapsed, servo):
     now = given(drive, TIME, elapsed)
     force -= viscous_excess(v, lagged, piston.viscous_friction, now, effects.friction)
     force += spring_force(x, piston.stroke, effects.load)
-    force += tilt_force(piston.mass * piston.gravity, effects.load)
+    force += tilt_force(piston.mass, piston.gravity, effects.load)
     force += bumper_force(x, v, piston.stroke, effects.stop)
     force += unexplained_force(x, v, pa, pb, state[SPOOL], now, effects)
     if state.shape[0] > PLANT_STATES:
@@ -222,6 +222,23 @@ def hanging_rates(state, velocity, second, servo, rate):
         effects.sensor,
     )
     carried_rates(state, velocity, second, servo, rate)
+
+
+@compiled
+def throw_on(state, servo):
+    """Have what hangs on the piston go on as fast as it did when the piston comes to a halt.
+
+    Parameters
+    ----------
+    state, servo
+        As in `pneuservo.plant.servo.chain.derivative`; the rates of the load are written.
+    """
+    if state.shape[0] == PLANT_STATES:
+        return
+    if servo.effects.load.mode_share > 0.0:
+        state[MODE_RATE] += state[VELOCITY]
+    if servo.effects.load.joint_share > 0.0:
+        state[JOINT_RATE] += state[VELOCITY]
 
 
 @compiled

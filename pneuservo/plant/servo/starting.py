@@ -67,7 +67,7 @@ def resting_force(displacement: float, plant: SingleAxis, effects: ServoEffects)
     """
     piston = plant.piston
     own = spring_force(displacement, piston.stroke, effects.load)
-    own += tilt_force(piston.mass * piston.gravity, effects.load)
+    own += tilt_force(piston.mass, piston.gravity, effects.load)
     table = effects.unexplained_force
     if table.over not in OVER_PRESSURES:
         own += tabulated(displacement, 0.0, 0.0, 0.0, 0.0, 0.0, table)

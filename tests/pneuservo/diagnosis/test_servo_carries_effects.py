@@ -65,3 +65,21 @@ def test_a_stiff_joint_is_none(rig):
     stiff = {"load.compliance:share": 0.5, "load.compliance:stiffness": 3e6}
     change = misfit(recording, rig, stiff) - misfit(recording, rig, {})
     assert abs(change) < 300.0
+
+
+@pytest.mark.parametrize(
+    ("demand", "values"),
+    [
+        (
+            FROM_STOP_TO_STOP,
+            {"load.transverse-mode:share": 0.2, "load.transverse-mode:frequency": 15.0},
+        ),
+        (WITHIN_THE_STROKE, {"sensor.position-nonlinearity:second": 1e-4}),
+    ],
+    ids=["a load that a stop throws on", "a reading whose slope changes along the way"],
+)
+def test_what_it_knows_exactly_leaves_nothing(rig, demand, values):
+    baseline = misfit(recorded(rig, demand, 0.5), rig, {})
+    recording = recorded(rig.with_values(values), demand, 0.5)
+    missed, found = misfit(recording, rig, {}), misfit(recording, rig, values)
+    assert found - baseline < 0.01 * (missed - baseline)

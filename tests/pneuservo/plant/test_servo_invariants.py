@@ -9,10 +9,21 @@ from scipy.integrate import simpson
 
 from pneuservo.effects.servo import servo_effects
 from pneuservo.plant.control_law import OPEN_LOOP
-from pneuservo.plant.servo.layout import OUTPUTS, Servo
+from pneuservo.plant.servo.events import motion_at_start, settle
+from pneuservo.plant.servo.layout import (
+    INPUTS,
+    JOINT_RATE,
+    MEMORY,
+    MODE_RATE,
+    OUTPUTS,
+    PAST_COLUMNS,
+    PAST_ROWS,
+    Servo,
+)
 from pneuservo.plant.servo.run import run_servo
 from pneuservo.plant.servo.servo_effects import NEUTRAL
 from pneuservo.plant.servo.starting import servo_inputs, servo_state
+from pneuservo.plant.single_axis import DISPLACEMENT, VELOCITY
 from pneuservo.rigs import load_rig, plant_numbers
 from pneuservo.simulation import InitialState, simulate
 
@@ -217,3 +228,27 @@ def test_more_command_delay_is_the_same_run_later():
     early = 20e-6 / 6.0 * 0.46 * PLANT.valve.spool_frequency * 0.4
     assert late["spool"][25:60] == pytest.approx(at_once["spool"][20:55], abs=early)
     assert np.all(late["spool"][:25] == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "rate"),
+    [
+        ({"load.transverse-mode:share": 0.4}, MODE_RATE),
+        ({"load.compliance:share": 0.5}, JOINT_RATE),
+    ],
+)
+def test_a_load_keeps_its_speed_when_the_piston_strikes_a_stop(values, rate):
+    servo = Servo(PLANT, servo_effects(values), OPEN_LOOP)
+    state = servo_state(np.array([1e-3, -0.25, 2e5, 6e5, 0.0, 0.0]), servo, PLANT.supply_pressure)
+    modes, memory, rows = (
+        np.zeros(3, np.int64),
+        np.zeros(MEMORY),
+        np.empty((PAST_ROWS, PAST_COLUMNS)),
+    )
+    drive = np.zeros((2, INPUTS))
+    motion_at_start(state, modes, memory, drive, servo)
+    state[DISPLACEMENT] = -1e-9
+    before = state[VELOCITY] + state[rate]
+    settle(state, modes, memory, rows, drive, 0.0, servo)
+    assert state[VELOCITY] == state[DISPLACEMENT] == 0.0
+    assert state[rate] == before == -0.25

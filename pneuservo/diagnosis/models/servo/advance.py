@@ -314,7 +314,9 @@ def _fill(
         at = elapsed + passed
         state[SPOOL] = openings[(stage + 1) // 2]
         share = at / interval
-        state[DISPLACEMENT] = before[0] + share * (after[0] - before[0])
+        # Its volumes are those of a piston between the stops, wherever a transducer has it.
+        place = before[0] + share * (after[0] - before[0])
+        state[DISPLACEMENT] = min(max(place, 0.0), piston.stroke)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         more = _joint(state, servo) - begun if begun == begun else 0.0
         state[VELOCITY] = before[1] + share * (after[1] - before[1])

@@ -134,9 +134,13 @@ def carry_on(
     kept = math.exp(-interval / WANDER_TIME)
     for zero in ZEROS:
         change[zero, zero] = -interval / WANDER_TIME
-    # To second order: one interval is a good part of a swing of the piston on its air.
+    # To second order: one interval is a good part of a swing of the piston on its air; in parts
+    # in each of which a pressure does not decay by more than it is.
+    parts = max(1, math.ceil(decays))
+    change = change / parts
     change = np.eye(ESTIMATED) + change + 0.5 * change @ change
-    put_table(change @ covariance @ change.T, covariance)
+    for _ in range(parts):
+        put_table(change @ covariance @ change.T, covariance)
     for slot in range(3):
         covariance[ZEROS[slot], ZEROS[slot]] += (1.0 - kept**2) * LIKELY_WANDER**2 * variance[slot]
     for side in range(2):

@@ -53,7 +53,7 @@ from pneuservo.plant.servo.layout import (
 from pneuservo.plant.servo.load_effects import rigid_mass
 from pneuservo.plant.servo.mechanics import carried_force
 from pneuservo.plant.servo.memory import begin
-from pneuservo.plant.servo.sensor_effects import displacement_gain
+from pneuservo.plant.servo.sensor_effects import displacement_bend, displacement_gain
 from pneuservo.plant.servo.valve_side import supply_at_valve, valve_flows
 from pneuservo.plant.single_axis import (
     PLANT_STATES,
@@ -330,6 +330,9 @@ def observe(
         )
         slope = displacement_gain(true[0, k + 1], piston.stroke, effects.sensor)
         mean = slope * (0.5 * (now + last) + bent + swung if k else now)
+        halfway = 0.5 * (before[0] + after[0])
+        bend = displacement_bend(halfway, piston.stroke, effects.sensor)
+        mean += bend * (0.5 * (before[1] + after[1])) ** 2
         if turned[k] != 0.0:
             extending, retracting = dry_friction(time[k + 1], state, after[1], servo)
             mean -= slope * 0.5 * (extending + retracting) * turned[k] / mass

@@ -100,7 +100,7 @@ def acting_force(time, state, speed, external_force, servo):
         pressure_a, pressure_b, speed, external_force, plant.ambient_pressure, piston
     )
     force += spring_force(place, piston.stroke, load)
-    force += tilt_force(piston.mass * piston.gravity, load)
+    force += tilt_force(piston.mass, piston.gravity, load)
     if state.shape[0] > PLANT_STATES:
         force += carried_force(state, servo)
     force += bumper_force(place, speed, piston.stroke, effects.stop)

@@ -70,10 +70,11 @@ def numbers(values: Values, rig: Rig) -> tuple[SingleAxis, ServoEffects]:
     values : mapping of str to float
         Rig parameters by id, effect parameters as ``effect:parameter``; others are left out.
     rig : Rig
-        What is not among them.
+        What is not among them, the effects that it has included.
     """
     parameters = {key: value for key, value in values.items() if key in rig.parameters}
     effects = {key: value for key, value in values.items() if ":" in key}
+    effects = {**rig.effect_values, **effects}
     return single_axis(rig.with_values(parameters)), servo_effects(effects)
 
 
@@ -267,7 +268,8 @@ def _observe(
     if learning:
         steps = dividing(fed.time, FINEST)
     else:
-        fields = {SERVO_FIELDS[key] for key in values if key in SERVO_FIELDS}
+        every = {**rig.effect_values, **values}
+        fields = {SERVO_FIELDS[key] for key in every if key in SERVO_FIELDS}
         if fed.supply is not None:
             fields = {field for field in fields if not field.startswith("supply.")}
         steps = steps_beside(fed.steps, fed.time, fields)
