@@ -75,8 +75,15 @@ def test_a_stiff_joint_is_none(rig):
             {"load.transverse-mode:share": 0.2, "load.transverse-mode:frequency": 15.0},
         ),
         (WITHIN_THE_STROKE, {"sensor.position-nonlinearity:second": 1e-4}),
+        (FROM_STOP_TO_STOP, {"sensor.position-offset:offset": 1e-3}),
+        (FROM_STOP_TO_STOP, {"sensor.position-gain:gain": -0.02}),
     ],
-    ids=["a load that a stop throws on", "a reading whose slope changes along the way"],
+    ids=[
+        "a load that a stop throws on",
+        "a reading whose slope changes along the way",
+        "a stop that reads a millimetre off",
+        "a stop that reads two per cent short",
+    ],
 )
 def test_what_it_knows_exactly_leaves_nothing(rig, demand, values):
     baseline = misfit(recorded(rig, demand, 0.5), rig, {})

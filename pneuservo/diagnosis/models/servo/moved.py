@@ -71,6 +71,8 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     if driving is not None and force_rms is not None:
         friction = rig["piston.coulomb_friction"] + force_rms
         rests = resting(motion[0], still, mass * driving, friction, interval, stroke)
+        # A reading may be off by more than it comes near: there it has struck a stop all the same.
+        near |= around(rests != 0, interval)
     motion[1:, rests != 0] = 0.0
     stuck = _held(motion[1], CREEPING, interval) & rest & ~near & (rests == 0) & all(fed.measured)
     moved = replace(

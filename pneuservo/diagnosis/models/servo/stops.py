@@ -10,8 +10,9 @@ NEAR_STOP = 5e-4
 """Distance from a stop within which the piston may touch it [m]."""
 IMPACT = 0.01
 """Time round a touch during which the motion is not known well [s]."""
-FARTHEST = 3e-3
-"""A displacement that reads more than this from a stop is not that of a piston at the stop [m]."""
+FARTHEST = 0.1
+"""A displacement that reads more than this share of the stroke from a stop is not that of a piston
+at the stop."""
 PRESSED = 2.0
 """A piston that rests though it is pushed by so many times its friction is held by a stop."""
 PRESSED_FOR = 0.05
@@ -81,8 +82,8 @@ def resting(
 
     push = averaged(force, interval)
     window = np.ones(max(2, round(PRESSED_FOR / interval)))
-    retracted = still & (push < -PRESSED * friction) & (displacement < FARTHEST)
-    extended = still & (push > PRESSED * friction) & (displacement > stroke - FARTHEST)
+    retracted = still & (push < -PRESSED * friction) & (displacement < FARTHEST * stroke)
+    extended = still & (push > PRESSED * friction) & (displacement > (1.0 - FARTHEST) * stroke)
     found = binary_opening(extended, window).astype(np.int64)
     return np.asarray(found - binary_opening(retracted, window))
 
