@@ -46,7 +46,9 @@ class Accepted(Hypotheses):
     interrupted: bool = False
     _rests: dict[Hypothesis, Array] = field(default_factory=dict)
     _bent: tuple[Fit, Fit] | None = None
-    _beyond: dict[Hypothesis, tuple[Fit, Fit, float]] = field(default_factory=dict)
+    _beyond: dict[tuple[Hypothesis, Hypothesis], tuple[Fit, Fit, float]] = field(
+        default_factory=dict
+    )
 
     @property
     def chosen(self) -> Fit:
@@ -223,10 +225,11 @@ class Accepted(Hypotheses):
 
     def _elsewhere(self, current: Fit, closer: Fit) -> float:
         """Return what a closer fit explains that no bent law would; worked out once."""
-        known = self._beyond.get(closer.hypothesis)
+        asked = current.hypothesis, closer.hypothesis
+        known = self._beyond.get(asked)
         if known is None or known[0] is not current or known[1] is not closer:
             found = explained_beyond(self._bendable(current), closer)
-            known = self._beyond[closer.hypothesis] = current, closer, found
+            known = self._beyond[asked] = current, closer, found
         return known[2]
 
     def _drop(self, member: str, why: str) -> None:

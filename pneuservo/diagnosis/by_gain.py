@@ -94,7 +94,8 @@ class ByGain(Judge):
 
     def _explains_enough(self, name: str, closer: Fit, explains: float, least: float) -> bool:
         """Return whether more than the least is explained, and than imitations pretend."""
-        return explains > max(least, OVER_IMITATIONS * self.pretended(name, closer))
+        # Imitations are made only where they may decide.
+        return explains > least and explains > OVER_IMITATIONS * self.pretended(name, closer)
 
     def least(self, name: str) -> float:
         """Return what no noise explains, or what the form of the laws found so far leaves."""

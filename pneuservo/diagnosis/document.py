@@ -63,7 +63,8 @@ def _document(diagnosis: Diagnosis) -> dict[str, Any]:
         missing = [_unexplained(diagnosis, 1.0)]
     elif diagnosis.named_table is not None:
         named = _tabulated(diagnosis.named_table, SUREST)
-        missing = [*(apart_from(named["effect"], entry) for entry in missing), named]
+        others = [entry for entry in missing if entry["effect"] != named["effect"]]
+        missing = [*(apart_from(named["effect"], entry) for entry in others), named]
     elif diagnosis.unnamed_share:
         missing.append(_unexplained(diagnosis, _doubt(diagnosis, missing)))
     corrected = _corrected(diagnosis) if verdict != "consistent" else {}

@@ -31,7 +31,13 @@ def with_first_name(search: Search) -> Search:
     With a name in it a model may be trusted so far that another is seen to be the right one, so the
     search begins again there. What that only has to confirm may be a guess at first.
     """
-    first = _as_read(search, guess=True)
+    model, progress = search.model, search.progress
+    ranked = ranked_readings(model, model.readings(search.cases), progress)
+    try:
+        late = likelier_if_late(model, ranked, progress)
+    except KeyboardInterrupt:
+        return _stopped(search, ranked[0])
+    first = _as_read(search, ranked, late, guess=True)
     if first.interrupted or not first.accepted:
         return first
     found = first
@@ -40,7 +46,7 @@ def with_first_name(search: Search) -> Search:
         found = _begun_anew(first)
         if found.interrupted or guess in (None, found.accepted):
             return found
-        surely = _as_read(search, guess=False)
+        surely = _as_read(search, ranked, late, guess=False)
         if not surely.interrupted:
             return _begun_anew(surely)
         if surely.accepted:
@@ -51,18 +57,14 @@ def with_first_name(search: Search) -> Search:
     return found
 
 
-def _as_read(search: Search, guess: bool) -> Search:
+def _as_read(
+    search: Search, ranked: Sequence[Reading], late: Reading | None, guess: bool
+) -> Search:
     """Return the search in the recordings as they are best read, begun.
 
     How they are read follows from their baselines and, where a name explains more than lies
     between these, or something late may do so, from the fits with that name.
     """
-    model, progress = search.model, search.progress
-    ranked = ranked_readings(model, model.readings(search.cases), progress)
-    try:
-        late = likelier_if_late(model, ranked, progress)
-    except KeyboardInterrupt:
-        return _stopped(search, ranked[0])
     first = _followed(search, late or ranked[0])
     asked = None
     if guess and not late:

@@ -102,8 +102,7 @@ def fit(
         # Weights that followed from what is missed would lead it astray again.
         best.scale = dict.fromkeys(best.channels, 1.0)
         vector = _solve(best, best.first, hypothesis, None)
-        best.scale = _scales(best, vector)
-        return _summary(hypothesis, best, vector, fixed)
+        return _summary(hypothesis, best, vector, fixed).in_weights(_scales(best, vector))
     vector = _settled(best, best.first, hypothesis, near)
     return _summary(hypothesis, best, vector, fixed)
 
@@ -249,10 +248,16 @@ def polished(model: Model, cases: Sequence[Case], found: Fit) -> Fit:
     of 99,800 after two, where a slew had 25,900.
     """
     for _ in range(_MOST_POLISHED):
-        before, found = found, _further(model, cases, found)
+        before, found = found, _counted_anew(_further(model, cases, found))
         if explained(before, found) < _WORTH_GOING_ON * float(np.sum(before.left**2)):
             break
     return found
+
+
+def _counted_anew(found: Fit) -> Fit:
+    """Return a fit in whose weights nothing that it no longer misses counts as noise."""
+    scale = channel_scales(found.channels, found.residuals, found.finest)
+    return found.in_weights({c: min(size, scale[c]) for c, size in found.scale.items()})
 
 
 def _further(model: Model, cases: Sequence[Case], found: Fit) -> Fit:

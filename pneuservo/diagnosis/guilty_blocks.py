@@ -24,7 +24,7 @@ def located(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         ``block``, ``share`` and ``regime``, the largest share first.
     """
     search = diagnosis.search
-    if diagnosis.verdict == "parameter" and search.model.steady:
+    if diagnosis.verdict == "parameter" and not diagnosis.unnamed_share:
         return _wrong_parameters(search)
     fits = [search.baseline]
     for member in search.accepted:

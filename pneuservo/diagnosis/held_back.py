@@ -1,7 +1,7 @@
 """What was found, asked of recordings that were held back: nothing shared is fitted to them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -51,12 +51,18 @@ class HeldBack:
     model: Model
     cases: Sequence[Case]
     used: Sequence[Case]
+    _read: dict[int, tuple[Fit, "HeldBack"]] = field(default_factory=dict, repr=False)
+    _predicted: dict[int, tuple[Fit, Fit]] = field(default_factory=dict, repr=False)
 
     def read_with(self, found: Fit, table: Table | None = None) -> "HeldBack":
-        """Return them as they are best read and followed with what was found."""
-        known = _that_repeats(found, table)
-        cases = likeliest_held_back(self.model, self.cases, known, self.used[0])
-        return HeldBack(self.model, self.model.told(cases, self.used), self.used)
+        """Return them as they are best read and followed with what was found; read once."""
+        known = self._read.get(id(found))
+        if known is None or known[0] is not found:
+            what = _that_repeats(found, table)
+            cases = likeliest_held_back(self.model, self.cases, what, self.used[0])
+            read = HeldBack(self.model, self.model.told(cases, self.used), self.used)
+            known = self._read[id(found)] = found, read
+        return known[1]
 
     def predicted(self, found: Fit, table: Table | None = None) -> Fit:
         """Return a fit's prediction, with the recordings' own values alone fitted to them.
@@ -68,6 +74,12 @@ class HeldBack:
         table : Table, optional
             That stands in it; if every recording has one of its own, so have these.
         """
+        asked = self._predicted.get(id(found))
+        if asked is None or asked[0] is not found:
+            asked = self._predicted[id(found)] = found, self._worked_out(found, table)
+        return asked[1]
+
+    def _worked_out(self, found: Fit, table: Table | None) -> Fit:
         known = _that_repeats(found, table)
         prediction = fit(
             self.model, self.cases, known.hypothesis, fixed=known.shared, reference=self.used[0]

@@ -142,7 +142,12 @@ class Hypotheses:
         if not self.model.steady:
             return None
         parts = [found for tried, found in tuple(self.fits.items()) if tried.is_part_of(hypothesis)]
-        return max(parts, key=lambda found: len(found.hypothesis.members), default=None)
+        # Of several as large, one that does not depend on which was fitted first.
+        return max(
+            parts,
+            key=lambda found: (len(found.hypothesis.members), found.hypothesis.members),
+            default=None,
+        )
 
     def _fitted_with(
         self, base: Fit, promises: Mapping[str, float], reached: float = 0.0, again: bool = False

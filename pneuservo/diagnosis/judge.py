@@ -190,8 +190,9 @@ class ByCriterion(Judge):
         self, criteria: Mapping[str, float], tried: Mapping[str, Fit], earning: Sequence[str]
     ) -> str:
         """Return the first in the catalogue's order of those that are tied."""
-        limit = min(criteria.values()) + TIED
-        return next(name for name in self.order if name in criteria and criteria[name] < limit)
+        among = earning or [*criteria]
+        limit = min(criteria[name] for name in among) + TIED
+        return next(name for name in self.order if name in among and criteria[name] < limit)
 
     def share(self, closer: Fit) -> float:
         """Return the share of what the baseline leaves beyond noise."""

@@ -37,7 +37,9 @@ def regime_in_words(model: Model, cases: Sequence[Case], energy: Array) -> str:
     str
         A phrase; empty when no regime stands out.
     """
-    total = max(float(np.sum(energy)), 1e-300)
+    total = float(np.sum(energy))
+    if total <= 0.0:
+        return ""
     masks: dict[str, list[Mask]] = {}
     for case in cases:
         for phrase, mask in model.regimes(case).items():

@@ -33,7 +33,7 @@ IMITATIONS = 3
 
 @dataclass(frozen=True)
 class Visibility:
-    """How an effect would show, and how much of it the method pretends.
+    """How an effect would show.
 
     Parameters
     ----------
@@ -41,13 +41,10 @@ class Visibility:
         Of its signature at the start's size, in standard deviations of the residuals.
     distinct : float
         Of the part that no refit of the baseline absorbs.
-    pretended : float
-        Largest drop of the sum of squares it seems to bring to recordings without any effect.
     """
 
     length: float
     distinct: float
-    pretended: float
 
 
 @dataclass(frozen=True)
@@ -88,6 +85,8 @@ class Pretence:
         self._progress, self._seed = progress, seed
         self._imitations: dict[Hypothesis, list[_Copy]] = {}
         self._visible: dict[Hypothesis, dict[str, Visibility]] = {}
+        self._usual: dict[Hypothesis, dict[str, float]] = {}
+        self._of: dict[tuple[str, Hypothesis], tuple[Fit, Fit, float]] = {}
         self._anew: dict[Hypothesis, Signatures] = {}
 
     @cached_property
@@ -119,7 +118,7 @@ class Pretence:
         hypothesis : Hypothesis
             That was fitted.
         """
-        for known in (self._imitations, self._visible, self._anew):
+        for known in (self._imitations, self._visible, self._usual, self._anew):
             known.pop(hypothesis, None)
 
     def copies(self, fitted: Fit) -> list[Array]:
@@ -184,12 +183,18 @@ class Pretence:
             What it would be added to.
         """
         if beside.hypothesis not in self._visible:
-            imitations, shown = self.copies(beside), self.signatures_beside(beside)
-            found = side_by_side(
-                lambda variants: _visibility(beside, variants, imitations), shown.values()
-            )
+            shown = self.signatures_beside(beside)
+            found = side_by_side(lambda variants: _visibility(beside, variants), shown.values())
             self._visible[beside.hypothesis] = dict(zip(shown, found, strict=True))
         return self._visible[beside.hypothesis]
+
+    def _by_signature(self, name: str, beside: Fit) -> float:
+        """Return what the signature of an effect gains of the copies; worked out once."""
+        known, shown = self._usual.setdefault(beside.hypothesis, {}), self.signatures_beside(beside)
+        if name in shown and name not in known:
+            imitations = self.copies(beside)
+            known[name] = gained_beyond(beside, shown[name], imitations) if imitations else 0.0
+        return known.get(name, 0.0)
 
     def of(self, name: str, beside: Fit, closer: Fit) -> float:
         """Return what a candidate seems to gain where there is nothing of the kind.
@@ -210,6 +215,13 @@ class Pretence:
         """
         if "imitations" in self._model.without:
             return 0.0
+        known = self._of.get((name, beside.hypothesis))
+        if known is None or known[0] is not beside or known[1] is not closer:
+            found = self._worked_out(name, beside, closer)
+            known = self._of[name, beside.hypothesis] = beside, closer, found
+        return known[2]
+
+    def _worked_out(self, name: str, beside: Fit, closer: Fit) -> float:
         if name.startswith("param."):
             parameter = name.removeprefix("param.")
             return max((beside.loosened(parameter, c) for c in self.copies(beside)), default=0.0)
@@ -218,8 +230,7 @@ class Pretence:
         columns = closer.sensitivities(name) * scale[:, np.newaxis]
         span = orthonormal(beside.beyond_refit(np.column_stack([change, columns])))
         fitted = max((_gained(span, copy) for copy in self.copies(beside)), default=0.0)
-        shown = self.visible(beside)
-        usual = shown[name].pretended if name in shown else 0.0
+        usual = self._by_signature(name, beside)
         return max(fitted, usual, self._gained_in_copies(beside, closer))
 
 
@@ -249,8 +260,7 @@ def _is_like(copy: _Copy, beside: Fit) -> bool:
     )
 
 
-def _visibility(base: Fit, variants: Sequence[Array], imitations: Sequence[Array]) -> Visibility:
+def _visibility(base: Fit, variants: Sequence[Array]) -> Visibility:
     first = base.counted(variants[0][:, 0])
     rest = base.beyond_refit(first)
-    pretended = gained_beyond(base, variants, imitations) if imitations else 0.0
-    return Visibility(float(np.linalg.norm(first)), float(np.linalg.norm(rest)), pretended)
+    return Visibility(float(np.linalg.norm(first)), float(np.linalg.norm(rest)))

@@ -66,6 +66,8 @@ class Rivals(Accepted):
             return []
         rest, others = self._in_place_of(member)
         own = gain(rest, others[member])
+        if own <= 0.0:
+            return []
         return [
             name
             for name, found in others.items()

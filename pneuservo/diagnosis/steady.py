@@ -9,9 +9,12 @@ from pneuservo.arrays import Array
 from pneuservo.diagnosis.problem import Problem
 from pneuservo.diagnosis.side_by_side import side_by_side
 
-_STEPS = (1e-4, 1e-2, 0.1)
-"""Step of a difference, in units of the unknown's typical size. The larger ones are for thresholds
-of an effect, which a small step moves past nothing that was recorded."""
+_STEP = 1e-4
+"""Step of a difference, in units of the unknown's typical size ..."""
+_OF_EFFECTS = (1e-3, 1e-2, 0.1)
+"""... and of a parameter of an effect. It may be a threshold, which a small step moves past one
+moment of a run or two, and next to nothing that was recorded: a cushion that began 0.6 um later
+said nothing of what begins a millimetre later. The larger ones are for those that show nothing."""
 STRAYED = 0.1
 """Share of its size, or of what it has shrunk to, by which a parameter moves before its sensitivity
 is worked out anew: that of a spool at half its frequency has nothing in common with what it began
@@ -97,7 +100,7 @@ class SteadySensitivity:
 
             def slope(column: int) -> Array:
                 found = np.zeros_like(here)
-                for step in _STEPS if ":" in self._problem.keys[column] else _STEPS[:1]:
+                for step in _OF_EFFECTS if ":" in self._problem.keys[column] else (_STEP,):
                     moved = vector.copy()
                     moved[column] += step if moved[column] + step <= high[column] else -step
                     found = (self._problem.cost_vector(moved) - here) / (moved - vector)[column]

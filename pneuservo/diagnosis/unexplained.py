@@ -10,6 +10,7 @@ from pneuservo.diagnosis.fit import Fit, explained
 from pneuservo.diagnosis.judge import OVER_IMITATIONS
 from pneuservo.diagnosis.models import Case, Model
 from pneuservo.diagnosis.models.model import Table
+from pneuservo.diagnosis.problem import residuals_of
 from pneuservo.diagnosis.side_by_side import side_by_side
 from pneuservo.diagnosis.signatures import gained_beyond
 from pneuservo.diagnosis.tabulated import (
@@ -20,6 +21,7 @@ from pneuservo.diagnosis.tabulated import (
     spread_of_shape,
     varies_most,
 )
+from pneuservo.diagnosis.unknowns import values_in_each
 from pneuservo.intervals import INTERVAL
 
 Copies = Callable[[Fit], Sequence[Array]]
@@ -189,18 +191,36 @@ def find_unexplained(
     is left beside the names, where there are many, or where they leave most of what is beyond
     noise, a table may do better in their place.
     """
+    found = _table_of(model, cases, tables, baseline, chosen, copies)
+    if found is None:
+        return None
+    # It was fitted to what was recorded alone; what it leaves of all else is told, too.
+    values = values_in_each(cases, cases[0], found.fit.shared, found.fit.own)
+    left = tuple(residuals_of(model, cases, values))
+    return replace(found, fit=replace(found.fit, residuals=left))
+
+
+def _table_of(
+    model: Model,
+    cases: Sequence[Case],
+    tables: Sequence[Table],
+    baseline: Fit,
+    chosen: Fit,
+    copies: Copies,
+) -> Unexplained | None:
+    """Return the table beside the names, or in their place, fitted to what was recorded alone."""
     baseline, chosen = (of_channels(cases, fit) for fit in (baseline, chosen))
     beside = _best(model, cases, tables, chosen, copies)
     names = len(chosen.hypothesis.effects)
     if not names:
         return beside
-    named = explained(baseline, chosen)
+    # In the weights of the table's own gain: what it removes had passed for noise of the names.
+    named = explained(baseline, chosen, None if beside is None else beside.fit)
     if beside is not None and beside.gain < WORTH_SAYING * (beside.gain + named):
         beside = None
-    if beside is not None and beside.table.form_of:
-        # One more name is no reason to drop others.
-        return replace(beside, named_gain=named)
-    if beside is not None or names >= MANY_NAMES or _hardly_closer(baseline, chosen):
+    doubtful = names >= MANY_NAMES or _hardly_closer(baseline, chosen)
+    # One more name is no reason to drop others.
+    if doubtful or (beside is not None and not beside.table.form_of):
         instead = _best(model, cases, tables, baseline, copies)
         if instead is not None:
             enough = INSTEAD_OF_MANY if names >= MANY_NAMES else INSTEAD
@@ -263,9 +283,11 @@ def _fitted(tabulated: Tabulated, base: Fit, columns: Array, copies: Copies) -> 
     table = tabulated.table
     found, steps, moved = tabulated.fitted(base, columns)
     weighed, gain = base.in_weights(found.scale), explained(base, found)
+    if gain <= table.least_gain:
+        return None
     made = copies(weighed)
     pretended = gained_beyond(weighed, [columns], made) if made else 0.0
-    if gain <= max(table.least_gain, OVER_IMITATIONS * pretended):
+    if gain <= OVER_IMITATIONS * pretended:
         return None
     values = table.step * steps
     if float(np.max(np.std(values, axis=1))) <= table.least:

@@ -57,7 +57,11 @@ def diagnosis_content(diagnosis: Diagnosis, answer: dict[str, Any]) -> dict[str,
         # A recording stands once per judged channel among the cases.
         "recordings": list({id(c.recording): c.recording for c in diagnosis.cases}.values()),
         "ledger": diagnosis.search.ledger,
-        "over_chance": diagnosis.search.over_chance,
+        "over_chance": {
+            name: ratio
+            for name, ratio in diagnosis.search.over_chance.items()
+            if name in diagnosis.search.accepted
+        },
         "remark": remark,
         "steady": diagnosis.model.steady,
         "between_sessions": between_sessions_in_words(answer),

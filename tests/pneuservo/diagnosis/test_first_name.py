@@ -56,6 +56,14 @@ class Begun(SimpleNamespace):
         self.guessed = False
 
 
+def as_they_come(monkeypatch):
+    """Return a search in recordings whose ways to be read are worked out elsewhere."""
+    monkeypatch.setattr(first_name, "ranked_readings", lambda *given: ["first", "second"])
+    monkeypatch.setattr(first_name, "likelier_if_late", lambda *given: None)
+    model = SimpleNamespace(readings=lambda cases: None, steady=True)
+    return SimpleNamespace(model=model, cases=None, progress=None)
+
+
 @pytest.mark.parametrize(
     ("sure", "searched", "named"),
     [
@@ -69,7 +77,7 @@ def test_a_guess_is_the_first_name_where_a_search_that_is_sure_says_so(
 ):
     asked = []
 
-    def read(search, guess):
+    def read(search, ranked, late, guess):
         asked.append(guess)
         name = "a guess" if guess else "searched without guessing"
         return Begun(
@@ -83,12 +91,12 @@ def test_a_guess_is_the_first_name_where_a_search_that_is_sure_says_so(
 
     monkeypatch.setattr(first_name, "_as_read", read)
     monkeypatch.setattr(first_name, "followed_anew", lambda search: search)
-    assert first_name.with_first_name(None).accepted == named
+    assert first_name.with_first_name(as_they_come(monkeypatch)).accepted == named
     assert asked == [True, False][:searched]
 
 
 def test_interrupted_while_it_makes_sure_it_keeps_what_it_was_sure_of(monkeypatch):
-    def read(search, guess):
+    def read(search, ranked, late, guess):
         if not guess:
             return SimpleNamespace(accepted=[], interrupted=True)
         return Begun(accepted=["a guess"], guessed=True, interrupted=False)
@@ -96,7 +104,7 @@ def test_interrupted_while_it_makes_sure_it_keeps_what_it_was_sure_of(monkeypatc
     sure = SimpleNamespace(accepted=["another"], interrupted=False)
     monkeypatch.setattr(first_name, "_as_read", read)
     monkeypatch.setattr(first_name, "_begun_anew", lambda search: sure)
-    found = first_name.with_first_name(None)
+    found = first_name.with_first_name(as_they_come(monkeypatch))
     assert (found.accepted, found.interrupted) == (["another"], True)
 
 
@@ -141,9 +149,8 @@ class Read(SimpleNamespace):
 def test_a_guess_turns_the_reading_where_a_name_earns_its_place(
     monkeypatch, guess, leaves, there, named, read, times_asked
 ):
-    model = SimpleNamespace(readings=lambda cases: None, steady=True)
+    model, asked = SimpleNamespace(steady=True), []
     search = SimpleNamespace(model=model, cases=None, progress=None)
-    asked = []
 
     def followed(search, reading):
         finds = ["a leak"] if reading == "first" else there[len(asked) - 1]
@@ -163,11 +170,9 @@ def test_a_guess_turns_the_reading_where_a_name_earns_its_place(
         asked.append(found.hypothesis)
         return "second"
 
-    monkeypatch.setattr(first_name, "ranked_readings", lambda *given: ["first", "second"])
-    monkeypatch.setattr(first_name, "likelier_if_late", lambda *given: None)
     monkeypatch.setattr(first_name, "likelier_with", likelier)
     monkeypatch.setattr(first_name, "_followed", followed)
-    found = first_name._as_read(search, guess=True)
+    found = first_name._as_read(search, ["first", "second"], None, guess=True)
     assert (found.accepted, found.way, len(asked)) == (named, read, times_asked)
     assert found.interrupted is (guess == "interrupted")
 

@@ -31,6 +31,8 @@ MEAN_A, MEAN_B, BEGAN_A, BEGAN_B, MOVING, SWEPT, BEHIND_A, BEHIND_B = range(8)
 piston that is free to move the velocity, and that integrated. The last two go on from one to the
 next: by how much the readings of transducers that lag are behind the pressures."""
 WITHIN = 8
+_AIR_LEFT = 0.5
+"""Share of its dead volume that a chamber never lacks, wherever a transducer has the piston."""
 
 
 @compiled_lean
@@ -306,7 +308,11 @@ def _fill(
     total_a = total_b = 0.0
     for i in range(STATES_WITH_CARD, state.shape[0]):
         start[i], total[i] = state[i], 0.0
-    piston, moving = servo.plant.piston, within[MOVING] == within[MOVING]
+    plant, moving = servo.plant, within[MOVING] == within[MOVING]
+    piston = plant.piston
+    # However far beyond a stop a transducer has the piston, there is air in front of it.
+    lowest = -_AIR_LEFT * plant.dead_volume_a / piston.area_a
+    highest = piston.stroke + _AIR_LEFT * plant.dead_volume_b / piston.area_b
     mass = rigid_mass(piston.mass, servo.effects.load)
     speed, faster, gained = within[MOVING], 0.0, 0.0
     for stage in range(4):
@@ -314,9 +320,8 @@ def _fill(
         at = elapsed + passed
         state[SPOOL] = openings[(stage + 1) // 2]
         share = at / interval
-        # Its volumes are those of a piston between the stops, wherever a transducer has it.
         place = before[0] + share * (after[0] - before[0])
-        state[DISPLACEMENT] = min(max(place, 0.0), piston.stroke)
+        state[DISPLACEMENT] = min(max(place, lowest), highest)
         weight = 1.0 if stage == 0 or stage == 3 else 2.0
         more = _joint(state, servo) - begun if begun == begun else 0.0
         state[VELOCITY] = before[1] + share * (after[1] - before[1])

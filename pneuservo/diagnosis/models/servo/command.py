@@ -131,7 +131,8 @@ def unseen(voltage: Array, told: AtOnce | None = None, of_noise: bool = False) -
     Notes
     -----
     When a command jumped that moves in one interval alone is not known, unless the set point says
-    so. At a fifth of the sampling rate jumps and swings look alike. Noise comes to every interval.
+    so. At a fifth of the sampling rate jumps and swings look alike, but for what goes all of
+    the way from one level to the other: that jumps. Noise comes to every interval.
 
     Examples
     --------
@@ -139,20 +140,30 @@ def unseen(voltage: Array, told: AtOnce | None = None, of_noise: bool = False) -
     [0.0, 0.2, 2.6, 0.2, 0.0, 0.0]
     >>> unseen(np.arange(6.0) ** 2).round(2).tolist()
     [0.1, 0.1, 0.1, 0.1, 0.1, 0.1]
+    >>> unseen(np.array([5.0, -5.0, 5.0, 5.0, -5.0, 5.0])).tolist()
+    [7.0, 7.0, 0.5, 7.0, 7.0, 7.0]
     """
     smooth = voltage if told is None else voltage - told.added
     change = np.diff(smooth)
     if told is not None:
         change = np.where(told.unknown, 0.0, change)
     moves = np.abs(change)
-    jump = np.maximum(moves - _OF_A_JUMP * beside(moves), 0.0)
+    switches = _switches(smooth)
+    jump = np.where(switches, moves, np.maximum(moves - _OF_A_JUMP * beside(moves), 0.0))
     curve = np.abs(np.diff(change, prepend=change[0], append=change[-1]))
     bend = np.maximum(curve[:-1], curve[1:])
     if of_noise:
-        off = np.where(without_jumps(change), _BENT * _CURVE * bend, _EDGE * jump + _CURVE * bend)
+        noisy = without_jumps(change) & ~switches
+        off = np.where(noisy, _BENT * _CURVE * bend, _EDGE * jump + _CURVE * bend)
     else:
         off = np.hypot(_EDGE * jump + _CURVE * bend, noise_of_command(smooth))
     return np.append(off, off[-1:])
+
+
+def _switches(voltage: Array) -> Mask:
+    """Return in which intervals a command goes all of the way from one of its ends to the other."""
+    low, high = float(np.min(voltage)), float(np.max(voltage))
+    return np.asarray(np.abs(np.diff(voltage)) > (1.0 - 2.0 * _AT_A_LEVEL) * (high - low))
 
 
 def is_relay(voltage: Array) -> bool:

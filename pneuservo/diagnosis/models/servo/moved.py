@@ -66,13 +66,12 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
         velocity_rms = np.zeros_like(fed.time)
     interval = fed.interval
     stroke, slow = rig["piston.stroke"], STICKING * reversal
-    near, still = touching(motion[0], interval, stroke), _held(motion[1], slow, interval)
+    still = _held(motion[1], slow, interval)
     rests = np.zeros(len(fed.time), dtype=np.int64)
     if driving is not None and force_rms is not None:
         friction = rig["piston.coulomb_friction"] + force_rms
         rests = resting(motion[0], still, mass * driving, friction, interval, stroke)
-        # A reading may be off by more than it comes near: there it has struck a stop all the same.
-        near |= around(rests != 0, interval)
+    near = touching(motion[0], rests, interval, stroke)
     motion[1:, rests != 0] = 0.0
     stuck = _held(motion[1], CREEPING, interval) & rest & ~near & (rests == 0) & all(fed.measured)
     moved = replace(

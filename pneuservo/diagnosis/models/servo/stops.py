@@ -41,17 +41,23 @@ def around(moments: Mask, interval: float) -> Mask:
     return np.asarray(binary_dilation(moments, np.ones(2 * max(1, round(IMPACT / interval)) + 1)))
 
 
-def touching(displacement: Array, interval: float, stroke: float) -> Mask:
+def touching(displacement: Array, rests: NDArray[np.int64], interval: float, stroke: float) -> Mask:
     """Return when the piston may touch a stop, where a force acts that nothing tells.
 
     Parameters
     ----------
     displacement : (n,) array
         [m].
+    rests : (n,) array of int
+        From `resting`: a stop is where the piston rests pressed on it, whatever its transducer
+        reads there. Where it rests a cushion may have held it up before: the farthest counts.
     interval, stroke : float
         Of the samples [s]; of the piston [m].
     """
-    near = (displacement < NEAR_STOP) | (displacement > stroke - NEAR_STOP)
+    low = float(np.min(displacement[rests < 0], initial=np.inf))
+    high = float(np.max(displacement[rests > 0], initial=-np.inf))
+    low, high = low if np.isfinite(low) else 0.0, high if np.isfinite(high) else stroke
+    near = (displacement < low + NEAR_STOP) | (displacement > high - NEAR_STOP)
     return around(near, interval)
 
 
