@@ -244,8 +244,20 @@ def _calibration(cases: Sequence[Judged]) -> Measure:
     return Measure("single", "calibration error", value, len(stated), asked=0.10, at_least=False)
 
 
+_BELIED = (
+    "class",
+    "no wrong name",
+    "no confident wrong name",
+    "not called physics",
+    "no false physics",
+)
+"""What is not right where a confident name is wrong, by the kinds of cases."""
+
+
 def confident_and_wrong(cases: Sequence[Judged]) -> list[Judged]:
     """Return the cases whose first name was asserted and is outside everything it could be."""
     return [
-        case for case in cases if case.probability >= CONFIDENT and case.right.get("class") is False
+        case
+        for case in cases
+        if case.probability >= CONFIDENT and any(case.right.get(name) is False for name in _BELIED)
     ]

@@ -14,6 +14,7 @@ from pneuservo.challenge.truth import layout as at
 from pneuservo.challenge.truth.parameters import Array, Truth
 from pneuservo.challenge.truth.rig import rig_value, with_rig_values
 from pneuservo.challenge.truth.run import READINGS, Run, replay, run, start_state
+from pneuservo.errors import InputError
 from pneuservo.rigs import Rig
 
 SEGMENT = 0.5
@@ -240,6 +241,11 @@ def distance(
     float
         d' of signal detection [-].
 
+    Raises
+    ------
+    InputError
+        When the baseline cannot be run along the runs.
+
     Notes
     -----
     Tolerances count as measurements of the parameters. Least squares, for a single linear
@@ -261,6 +267,8 @@ def distance(
             seen = found.nearer(again, seen)
         return np.concatenate([found.without_starts(seen), moved / found.tolerances])
 
+    if not np.all(np.isfinite(signature(baseline, trials, runs, noise))):
+        raise InputError("the servo without the effect cannot be run from where that has led it")
     slopes = np.concatenate([-found.matrix, np.diag(1.0 / found.tolerances)])
     closest = least_squares(
         left,

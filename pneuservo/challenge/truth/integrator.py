@@ -26,6 +26,8 @@ _C = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
 _E = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
 LARGEST_STEP = 5e-4
 SMALLEST_STEP = 1e-8
+MOST_STEPS = 20_000
+"""Within one command; a servo that needs more cannot be run."""
 
 
 def _allowed() -> Array:
@@ -66,9 +68,13 @@ def step_error(work, step, count):
 @truth_kernel
 def advance(start, end, share, y, kept, truth, work, trial, flows, step):
     """Advance the state from `start` to `end` [s] under one command; return the next step [s]."""
-    time = start
+    time, tried = start, 0
     count = at.STATES if truth.network.hose_length > 0.0 else at.HOSES
     while end - time > 1e-12:
+        tried += 1
+        if tried > MOST_STEPS:
+            y[:] = math.nan
+            return LARGEST_STEP
         step = min(step, LARGEST_STEP)
         taken = min(step, end - time)
         for stage in range(7):

@@ -145,3 +145,11 @@ def test_a_hose_loses_what_a_pipe_loses():
     drive = 0.25 * math.pi * (2e-3) ** 2 / 0.1 * loss / at.CELLS
     assert np.max(np.abs(rates[at.HOSES + at.CELLS : at.HOSES + 2 * at.CELLS])) < 0.01 * drive
     assert np.max(np.abs(rates[at.HOSES : at.HOSES + at.CELLS])) < 1e-6
+
+
+def test_a_servo_that_needs_too_many_steps_comes_to_an_end(truth):
+    # A stop that damps with a time constant of a picosecond.
+    stiff = changed(truth, "load", stop_damping=1e13, stop_stiffness=1e18)
+    state = start_state(stiff, 15e-3)
+    state[at.POSITION], state[at.SPEED] = 1e-6, -0.5
+    assert not still(stiff, seconds=0.1, state=state).finite
