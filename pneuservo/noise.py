@@ -47,6 +47,8 @@ def noise_floor(samples: Array, time: Array) -> float:
     """
     from scipy.signal import welch
 
+    # A straight line across what is missing has none.
+    present = float(np.mean(np.isfinite(samples)))
     samples = bridged(time, samples)
     rate = 1.0 / float(np.median(np.diff(time)))
     length = min(256, len(samples) // 2)
@@ -54,7 +56,7 @@ def noise_floor(samples: Array, time: Array) -> float:
     frequency, density = welch(samples, rate, nperseg=length, detrend="linear", window="blackman")
     bands = np.array_split(density[(frequency > 0.1 * rate) & (frequency < 0.49 * rate)], 8)
     quietest = min(float(np.mean(band)) for band in bands if len(band))
-    return max(float(np.sqrt(quietest * rate / 2.0)), resolution(samples))
+    return max(float(np.sqrt(quietest * rate / 2.0 / present)), resolution(samples))
 
 
 def noise_level(samples: Array, time: Array) -> float:

@@ -123,7 +123,9 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> li
     as well.
     """
     added = hypothesis.effects - near.hypothesis.effects
-    sizes = {e.key(e.parameters[0].name) for e in start.model.effects if e.id in added}
+    sizes = {
+        e.key(e.parameters[0].name): e.parameters[0] for e in start.model.effects if e.id in added
+    }
     place = next((i for i, u in enumerate(start.shared) if u.key in sizes), None)
     if place is None:
         return []
@@ -133,7 +135,13 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> li
     share = float(beyond @ near.left) / max(float(beyond @ beyond), 1e-300)
     if unknown.low >= 0.0:
         share = max(share, _SMALL)
-    share = float(np.clip(share * begin[place], unknown.low, unknown.high)) / begin[place]
+    inverse = sizes[unknown.key].inverse
+
+    def size(share: float) -> float:
+        whole = begin[place] / share if inverse else share * begin[place]
+        return float(np.clip(whole, unknown.low, unknown.high))
+
+    share = begin[place] / size(share) if inverse else size(share) / begin[place]
     whole = np.concatenate([change, np.zeros(len(near.distance))])
     found = []
     for way in (share, _SMALL * share):
@@ -141,7 +149,7 @@ def _sized(start: Problem, near: Fit, hypothesis: Hypothesis, alone: bool) -> li
         if not alone:
             step = np.linalg.lstsq(near.sensitivity, way * whole - near.left, rcond=None)[0]
         sized = begun_at(start, *near.moved(step))
-        np.asarray(sized.begin)[place] = max(way * begin[place], unknown.low)
+        np.asarray(sized.begin)[place] = size(way)
         found.append(sized)
     return found
 

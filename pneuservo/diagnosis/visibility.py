@@ -100,6 +100,8 @@ def _at_its_smallest(search: Search, effect: Effect) -> tuple[float, float]:
     """Return how small an effect may be, and how much of it no refit would absorb then."""
     parameter, usual = effect.parameters[0], _usual(effect)
     smallest = min(parameter.least or SMALLEST * abs(usual), abs(usual))
+    if parameter.inverse:
+        smallest = min(parameter.high, parameter.most)
     values = {effect.key(p.name): p.starts[0] for p in effect.parameters[1:]}
     values[effect.key(parameter.name)] = parameter.neutral + math.copysign(smallest, usual)
     base = search.baseline
@@ -108,13 +110,14 @@ def _at_its_smallest(search: Search, effect: Effect) -> tuple[float, float]:
 
 
 def _below(effect: Effect, smallest: tuple[float, float], distinct: float) -> str:
-    """Return below what size an effect would not be named, as a power law goes between two."""
+    """Return beyond what size an effect would not be named, as a power law goes between two."""
     (least, faintest), usual = smallest, abs(_usual(effect))
     rise = math.log(usual / least) / math.log(distinct / max(faintest, 1e-6 * distinct))
     limit = usual * (NAMEABLE / distinct) ** rise
     parameter = effect.parameters[0]
     size = f"{limit:.1g} {written(parameter.unit)}".strip()
-    return f"shows only from {size} on ({parameter.name.replace('_', ' ')})"
+    reach = f"up to {size}" if parameter.inverse else f"from {size} on"
+    return f"shows only {reach} ({parameter.name.replace('_', ' ')})"
 
 
 def lookalikes(search: Search, parameter: str) -> list[str]:

@@ -30,6 +30,8 @@ class EffectParameter:
         Smallest size that is known of real parts; a smaller one is not worth the name [unit].
     most : float, optional
         Largest one, where a larger is as good as none [unit].
+    inverse : bool, optional
+        Whether a larger one changes less, and none at all stands for none.
     """
 
     name: str
@@ -42,6 +44,7 @@ class EffectParameter:
     field: str = ""
     least: float = 0.0
     most: float = math.inf
+    inverse: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ CONTACT = Effect(
     parameters=(
         EffectParameter(
             "stiffness", "N/m", 0.0, 1e5, 3e7, (1e6, 1e7), "of the bumper", "stop.stiffness",
+            inverse=True,
             most=2.5e7,  # a stop of steel, of 1e8 N/m, gives way by some micrometres, too
         ),
         EffectParameter(

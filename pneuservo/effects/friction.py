@@ -216,7 +216,7 @@ LAG = Effect(
     equation="F = c w + Fc sgn(v), time w' = v - w",
     parameters=(
         EffectParameter(
-            "time", "s", 0.0, 0.0, 0.1, (5e-3,), "of the lag", "friction.lag", least=2e-3
+            "time", "s", 0.0, 0.0, 0.1, (5e-3,), "of the lag", "friction.lag", least=1e-3
         ),
     ),
     source="Tran and Yanada 2013, Intelligent Control and Automation 4",

@@ -81,7 +81,10 @@ CROSS_PISTON = Effect(
     block="chamber.a",
     rigs=_SERVO,
     statement="Air leaks past the piston seal; the model holds it tight.",
-    equation="m_ab = conductance (pa^2 - pb^2), and back_flow of that where pb > pa",
+    equation=(
+        "m_ab = conductance ((1 - hole) (pa^2 - pb^2) + hole (6 bar) pa Cm(pb/pa)/Cm(0)), "
+        "and back_flow of that where pb > pa"
+    ),
     parameters=(
         EffectParameter(
             "conductance", "kg/(s*Pa**2)", 0.0, 0.0, 2e-15, (3e-17,), "flow per pressure squared",
@@ -90,6 +93,10 @@ CROSS_PISTON = Effect(
         EffectParameter(
             "back_flow", "", 1.0, 0.0, 4.0, (1.0,), "what of it a lip seal lets back from b to a",
             "leakage.cross_back_flow",
+        ),
+        EffectParameter(
+            "hole", "", 0.0, 0.0, 1.0, (0.3,), "share that flows as through a hole",
+            "leakage.cross_hole",
         ),
     ),
     source="Richer and Hurmuzlu 2000, J. Dyn. Syst. Meas. Control 122; Beater 2007",

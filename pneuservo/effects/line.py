@@ -18,7 +18,7 @@ RESTRICTION = Effect(
     parameters=(
         EffectParameter(
             "area", "m**2", 0.0, 0.0, 1e-5, (2e-6, 5e-6), "effective area of a hose; 0 for none",
-            "line.area",
+            "line.area", inverse=True,
         ),
     ),
     source="Richer and Hurmuzlu 2000; thesis chapter 3: below 0.3 bar on 1 m",
@@ -60,6 +60,7 @@ RESONANCE = Effect(
         EffectParameter(
             "frequency", "Hz", 0.0, 0.0, 400.0, (32.0, 90.0, 200.0),
             "at mid-stroke with the valve's end open; 0 for none", "line.frequency",
+            inverse=True,
         ),
         EffectParameter("damping", "", 0.2, 0.01, 1.5, (0.2,), "damping ratio", "line.damping"),
     ),

@@ -1,27 +1,32 @@
 """What else pulls on the rod."""
 
+from dataclasses import replace
+
 from pneuservo.effects.effect import Effect, EffectParameter
 
-SPRING = Effect(
+_STIFFNESS = EffectParameter(
+    "stiffness", "N/m", 0.0, -5000.0, 5000.0, (20.0,), "spring stiffness", "load.spring"
+)
+SPRING_OF_TESTER = Effect(
     id="load.spring",
     block="load",
-    rigs=("seal-tester", "single-axis"),
+    rigs=("seal-tester",),
     statement="Something pulls on the rod like a spring; the model has no spring.",
     equation="F = stiffness (x - x_mid)",
-    parameters=(
-        EffectParameter(
-            "stiffness",
-            "N/m",
-            0.0,
-            -5000.0,
-            5000.0,
-            (20.0,),
-            "spring stiffness",
-            "load.spring",
-        ),
-    ),
+    parameters=(_STIFFNESS,),
     source="hose drag and cable chains; physics of a linear spring",
     experiment="drive slowly both ways over the full stroke: a spring does not change sign with v",
+)
+SPRING = replace(
+    SPRING_OF_TESTER,
+    rigs=("single-axis",),
+    equation="F = stiffness (x - x_mid) + preload",
+    parameters=(
+        _STIFFNESS,
+        EffectParameter(
+            "preload", "N", 0.0, -200.0, 200.0, (0.0,), "pull at mid-stroke", "load.preload"
+        ),
+    ),
 )
 _RIGS = ("single-axis",)
 _MODE_STARTS = (8.0, 11.0, 15.0, 21.0, 29.0, 40.0, 56.0)
@@ -88,7 +93,7 @@ COMPLIANCE = Effect(
             "load.joint_stiffness",
         ),
         EffectParameter(
-            "damping", "N*s/m", 0.0, 0.0, 1e3, (30.0,), "of the joint", "load.joint_damping"
+            "damping", "N*s/m", 0.0, 0.1, 1e3, (30.0,), "of the joint", "load.joint_damping"
         ),
     ),
     source="two masses; textbook dynamics",
@@ -134,4 +139,12 @@ GRAVITY_ANGLE = Effect(
     source="thesis equation (4.23)",
     experiment="put a level on the rig",
 )
-EFFECTS = (SPRING, TRANSVERSE_MODE, BASE_MOTION, COMPLIANCE, BACKLASH, GRAVITY_ANGLE)
+EFFECTS = (
+    SPRING,
+    SPRING_OF_TESTER,
+    TRANSVERSE_MODE,
+    BASE_MOTION,
+    COMPLIANCE,
+    BACKLASH,
+    GRAVITY_ANGLE,
+)

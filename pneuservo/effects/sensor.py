@@ -102,7 +102,7 @@ POSITION_LAG = Effect(
     equation="time x_read' = x - x_read",
     parameters=(
         EffectParameter(
-            "time", "s", 0.0, 0.0, 0.01, (1e-3,), "of the lag", "sensor.displacement_lag", 5e-5
+            "time", "s", 0.0, 0.0, 0.01, (1e-3,), "of the lag", "sensor.displacement_lag", 3e-5
         ),
     ),
     source="demodulation filter 500 Hz; thesis chapter 8: the filter slows the limit cycle",

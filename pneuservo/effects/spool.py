@@ -50,7 +50,7 @@ AMPLITUDE_BANDWIDTH = Effect(
     parameters=(
         EffectParameter(
             "acceleration", "1/s**2", 0.0, 0.0, 1e7, (2e5, 4e5, 8e5, 1.6e6, 3e6),
-            "largest acceleration; 0 for no limit", "spool.acceleration_limit",
+            "largest acceleration; 0 for no limit", "spool.acceleration_limit", inverse=True,
         ),
     ),
     source="valve data sheet: 500 Hz at 2.5 %, 135 Hz at full stroke; thesis section 3.1.1.2",
@@ -65,7 +65,7 @@ SLEW = Effect(
     parameters=(
         EffectParameter(
             "rate", "1/s", 0.0, 0.0, 5e3, (100.0, 200.0, 400.0, 800.0, 1600.0),
-            "full strokes per second; 0 for no limit", "spool.rate_limit",
+            "full strokes per second; 0 for no limit", "spool.rate_limit", inverse=True,
         ),
     ),
     source="valve data sheet: 5 to 15 ms for the full stroke; Merritt 1967",
@@ -100,7 +100,7 @@ STICTION = Effect(
     statement="The spool sticks after a rest until the command has moved on; the model slides.",
     equation=(
         "xs = G(s) (u/5 V - brake sgn(xs')); xs' = 0 while |u/5 V - xs| < breakaway "
-        "(1 - exp(-rest/time)/2); brake is that without a rest"
+        "(1 - (1 - sliding) exp(-rest/time)); brake is that without a rest"
     ),
     parameters=(
         EffectParameter(
@@ -110,6 +110,10 @@ STICTION = Effect(
         EffectParameter(
             "time", "s", 0.0, 0.0, 100.0, (0.3, 30.0), "rest over which it silts up",
             "spool.stiction_time",
+        ),
+        EffectParameter(
+            "sliding", "", 0.5, 0.0, 1.0, (0.5,), "share of it that holds without a rest",
+            "spool.sliding",
         ),
     ),
     source="Merritt 1967, Hydraulic Control Systems",

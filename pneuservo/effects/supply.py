@@ -53,7 +53,8 @@ RIPPLE = Effect(
             "supply.ripple_frequency",
         ),
         EffectParameter(
-            "phase", "rad", 0.0, -6.3, 6.3, (0.0, 2.1, 4.2), "at the start", "supply.ripple_phase"
+            "phase", "rad", 0.0, -6.3, 6.3, (0.0, 2.1, 4.2), "at the start of a recording",
+            "supply.ripple_phase",
         ),
     ),
     source="regulator hunting and compressor cycles; Beater 2007",

@@ -60,7 +60,7 @@ CRITICAL_RATIO = Effect(
     parameters=(
         EffectParameter(
             "ratio", "", 0.0, 0.0, 0.52, (0.3,), "critical ratio b; 0 for the nozzle",
-            "valve.critical_ratio",
+            "valve.critical_ratio", inverse=True,
         ),
     ),
     source="ISO 6358; Sanville 1971; thesis section 4.3.1: choking between 0.49 and 0.33",
@@ -196,6 +196,7 @@ EXHAUST_BACK_PRESSURE = Effect(
             (2e-6, 6e-6),
             "effective area of the silencer; 0 for none",
             "valve.exhaust_area",
+            inverse=True,
         ),
         EffectParameter(
             "volume", "m**3", 2e-5, 3e-6, 3e-4, (2e-5,), "between both exhausts and the silencer",

@@ -7,6 +7,8 @@ from pneuservo.plant.gas import gas_mass_flow, orifice_mass_flow
 
 GAP_REFERENCE = 6e5
 """Pressure at which a gap passes as much into a vacuum as an orifice of its area [Pa]."""
+REFERENCE_TEMPERATURE = 293.0
+"""Of the gas that a conductance is stated for [K]."""
 
 
 @compiled
@@ -21,9 +23,10 @@ def orifice_leak(pressure, ambient, temperature, gas_constant, isentropic_expone
 def laminar_leak(pressure, ambient, temperature, conductance):
     """Return the mass flow through a narrow gap: compressible laminar flow [kg/s].
 
-    The reference temperature of the conductance is 293 K.
+    The conductance is that at `REFERENCE_TEMPERATURE`.
     """
-    return conductance * (pressure * pressure - ambient * ambient) * 293.0 / temperature
+    squares = pressure * pressure - ambient * ambient
+    return conductance * squares * REFERENCE_TEMPERATURE / temperature
 
 
 @compiled
@@ -36,6 +39,31 @@ def power_leak(pressure, ambient, coefficient, exponent):
     if gauge >= 0.0:
         return coefficient * gauge**exponent
     return -coefficient * (-gauge) ** exponent
+
+
+@compiled
+def gap_as_area(conductance, gas):
+    """Return the area of the leak of `mixed_leak` whose gap is all of it [m^2].
+
+    Parameters
+    ----------
+    conductance : float
+        As in `laminar_leak` [kg/(s Pa^2)].
+    gas : Gas
+        The gas.
+
+    Examples
+    --------
+    >>> from pneuservo.plant.gas import ideal_gas
+    >>> air = ideal_gas(300.0, 287.0, 1.4)
+    >>> gap = mixed_leak(5e5, 2e5, gap_as_area(1e-17, air), 1.0, 310.0, air)
+    >>> bool(abs(gap / laminar_leak(5e5, 2e5, 310.0, 1e-17) - 1.0) < 1e-12)
+    True
+    """
+    thinner = REFERENCE_TEMPERATURE / gas.temperature
+    return (
+        conductance * thinner * GAP_REFERENCE * math.sqrt(gas.temperature) / gas.choked_coefficient
+    )
 
 
 @compiled

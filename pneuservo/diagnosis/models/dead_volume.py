@@ -46,6 +46,10 @@ class DeadVolumeModel(Model):
     blocks: ClassVar[Mapping[str, str]] = {"ambient": "valve.flow", "": "supply"}
     required: ClassVar[tuple[str, ...]] = ("dead_volume_pressure",)
 
+    def completed(self, recording: Recording, rig: Rig) -> Recording:
+        """Return the recording with its time, from which a drift counts, from its first sample."""
+        return recording.from_its_start()
+
     def prepare(self, recording: Recording, rig: Rig) -> Case:
         """Return the recording with its noise and the opening of the valve."""
         require_absolute(recording, self.channel)

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from pneuservo.plant.leak_laws import laminar_leak, mixed_leak, power_leak
+from pneuservo.plant.leak_laws import gap_as_area, laminar_leak, mixed_leak, power_leak
 from pneuservo.plant.servo.compilation import compiled
 
 
@@ -12,6 +12,8 @@ class LeakageEffects(NamedTuple):
 
     cross_conductance: float = 0.0
     """Narrow gap past the piston seal [kg/(s Pa^2)]."""
+    cross_hole: float = 0.0
+    """Share of what leaks past the piston that flows as through a hole [-]."""
     cross_back_flow: float = 1.0
     """What of it is open to air that flows from chamber b to a, where a lip seals [-]."""
     chamber_a_area: float = 0.0
@@ -43,7 +45,7 @@ class LeakageEffects(NamedTuple):
 
 
 @compiled
-def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperature, effects):
+def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperature, gas, effects):
     """Return the mass flow past the piston, from a to b [kg/s].
 
     Parameters
@@ -56,6 +58,8 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
         [m].
     temperature : float
         Of the gas that flows [K].
+    gas : Gas
+        The gas.
     effects : LeakageEffects
         The effects.
 
@@ -74,7 +78,12 @@ def cross_leak(pressure_a, pressure_b, displacement, velocity, stroke, temperatu
         conductance += effects.worn_conductance * math.exp(-away * away)
     if conductance == 0.0:
         return 0.0
-    return laminar_leak(pressure_a, pressure_b, temperature, conductance)
+    if effects.cross_hole == 0.0:
+        return laminar_leak(pressure_a, pressure_b, temperature, conductance)
+    area, gap = gap_as_area(conductance, gas), 1.0 - effects.cross_hole
+    high, low = max(pressure_a, pressure_b), min(pressure_a, pressure_b)
+    flow = mixed_leak(high, low, area, gap, temperature, gas)
+    return flow if pressure_a >= pressure_b else -flow
 
 
 @compiled

@@ -17,7 +17,9 @@ class LoadEffects(NamedTuple):
     """Parameters of the effects of the load."""
 
     spring: float = 0.0
-    """Stiffness of a spring that is free at mid-stroke [N/m]."""
+    """Stiffness of a spring [N/m]."""
+    preload: float = 0.0
+    """By which it pulls at mid-stroke, positive retracts [N]."""
     tilt: float = 0.0
     """Angle by which the axis is turned from where it is said to stand, rod upwards [rad]."""
     mode_share: float = 0.0
@@ -47,7 +49,7 @@ def spring_force(displacement, stroke, effects):
     effects : LoadEffects
         The effects.
     """
-    return -effects.spring * (displacement - 0.5 * stroke)
+    return -effects.spring * (displacement - 0.5 * stroke) - effects.preload
 
 
 @compiled

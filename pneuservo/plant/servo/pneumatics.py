@@ -106,7 +106,8 @@ def _leaks(state, velocity, warm_a, warm_b, servo):
     plant, leak = servo.plant, servo.effects.leakage
     pa, pb, ambient, gas = state[PRESSURE_A], state[PRESSURE_B], plant.ambient_pressure, plant.gas
     passing = warm_a if pa >= pb else warm_b
-    across = cross_leak(pa, pb, state[DISPLACEMENT], velocity, plant.piston.stroke, passing, leak)
+    stroke = plant.piston.stroke
+    across = cross_leak(pa, pb, state[DISPLACEMENT], velocity, stroke, passing, gas, leak)
     out_a = outward_leak(
         pa,
         ambient,

@@ -14,7 +14,7 @@ from pneuservo.effects import effect_by_id
 SAMPLES = 4000
 TIME = np.arange(SAMPLES) * 1e-3
 DISPLACEMENT = 0.1 * np.sin(2.0 * np.pi * 0.7 * TIME)
-SPRING = effect_by_id("load.spring", "single-axis")
+SPRING = effect_by_id("load.spring", "seal-tester")
 SIZE = SPRING.key(SPRING.parameters[0].name)
 MODEL = SimpleNamespace(
     effects=[SPRING], regressors=lambda case: {"displacement": DISPLACEMENT, "time": TIME}

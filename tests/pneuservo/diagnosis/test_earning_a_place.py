@@ -221,7 +221,7 @@ def test_a_parameter_is_not_wrong_by_what_it_cannot_be(parameter, interval, earn
     ("before", "after", "earns"), [(290, 270, True), (290, 225, False), (225, 224, True)]
 )
 def test_no_name_is_taken_for_whose_sake_the_air_is_colder_than_on_any_rig(before, after, earns):
-    spring = effect_by_id("load.spring", "single-axis")
+    spring = effect_by_id("load.spring", "seal-tester")
     current, closer = leaves(1000.0, 24), leaves(900.0, 25)
     current.penalty, current.hypothesis = 0.0, SimpleNamespace(effects=set(), members=())
     current.shared = {"temperature": before}
@@ -579,7 +579,7 @@ def test_a_law_with_many_sizes_has_to_earn_each_of_them(effect, sizes):
 def test_what_acts_elsewhere_has_a_place_beside_a_large_effect(
     monkeypatch, more, elsewhere, noise, earns
 ):
-    spring = effect_by_id("load.spring", "single-axis")
+    spring = effect_by_id("load.spring", "seal-tester")
     baseline, current = leaves(18_000.0, 24), leaves(3000.0, 24)
     closer = leaves(3000.0 - more, 25)
     current.hypothesis = SimpleNamespace(effects={"first"}, members=("first",))

@@ -49,6 +49,7 @@ WITHOUT_STOPS = ("load.backlash", "load.compliance")
 UNSEEN = {
     "endstop.contact:damping": "the piston comes to rest within the samples that are not judged",
     "spool.stiction:time": "no rest of the spool is long enough",
+    "supply.ripple:phase": "each recording has its own",
     "valve.reattachment:attach": "no pressure ratio passes it slowly",
 }
 AT_REST = "friction.breakaway-dwell"

@@ -81,7 +81,7 @@ def feed(recording: Recording, rig: Rig) -> Feed:
         measured=tuple(name in recording for name in PRESSURES),
         read=np.array([np.isfinite(recording.channels.get(n, nowhere)) for n in PRESSURES]),
         pressure_rates=np.array([_rate(p, interval) for p in pressures]),
-        supply=smoothed_supply(time, supply, noise[SUPPLY]) if len(supply) else None,
+        supply=smoothed_supply(time, supply) if len(supply) else None,
         supply_reading=supply,
         spool_reading=recording.channels.get("spool", np.empty(0)),
         force=force,

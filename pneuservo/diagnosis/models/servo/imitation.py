@@ -1,5 +1,6 @@
 """What a servo without any further effect would have recorded on the same path."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +26,7 @@ from pneuservo.diagnosis.models.servo.run_observer import (
 from pneuservo.errors import InputError
 from pneuservo.noise import wander
 from pneuservo.recordings import Recording
+from pneuservo.recordings.converter import converter_step, noise_of_steps
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
 from pneuservo.simulation.readings import in_parts
@@ -127,23 +129,25 @@ def imitated(
     channels = {name: recording[name] for name in ("demand",) if name in recording}
     run, channels["valve_voltage"] = _kept_to_the_path(fed, rig, own, supply, rng)
     for name in fed.noise:
-        noise = rng.standard_normal(len(fed.time)) + wander(fed.time, rng)
         true = source if name == SUPPLY else run[name]
         if name == "spool":
             true = own[SPOOL_ZERO] + own[SPOOL_GAIN] * true
-        channels[name] = true + fed.noise[name] * noise
+        channels[name] = _as_read(fed, recording[name], true, fed.noise[name], rng)
     noise_rms = dict(fed.noise)
     if "force" in recording:
         noise_rms["force"] = fed.force_rms
         channels["force"] = fed.force + fed.force_rms * rng.standard_normal(len(fed.time))
     copy = feed(replace(recording, channels=channels, noise_rms=noise_rms), rig)
-    copy = with_pressures(replace(copy, supply=fed.supply), rig)
+    # What is known of the command between its samples is that of the real one.
+    command = read_alike(fed, copy.voltage, rig)
+    copy = replace(copy, supply=fed.supply, command=command, unseen=fed.unseen, spread=fed.spread)
+    copy = with_pressures(copy, rig)
     motion = copy.motion.copy()
     motion[1:, fed.resting != 0] = 0.0
     return replace(
         fed,
         voltage=copy.voltage,
-        command=read_alike(fed, copy.voltage, rig),
+        command=command,
         reading=copy.reading,
         motion=motion,
         pressures=copy.pressures,
@@ -156,6 +160,16 @@ def imitated(
         stuck=copy.stuck & fed.stuck,
         departures=as_in(fed.departures, copy.departures, fed.interval),
     )
+
+
+def _as_read(
+    fed: Feed, reading: Array, true: Array, noise: float, rng: np.random.Generator
+) -> Array:
+    """Return what a transducer makes of a channel, in the steps of its converter if it has any."""
+    step = converter_step(reading)
+    white = math.sqrt(max(noise**2 - noise_of_steps(step) ** 2, 0.0))
+    read = true + white * rng.standard_normal(len(fed.time)) + noise * wander(fed.time, rng)
+    return np.round(read / step) * step if step else read
 
 
 def _kept_to_the_path(

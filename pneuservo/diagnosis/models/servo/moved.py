@@ -10,7 +10,13 @@ from pneuservo.diagnosis.models.servo.feed import Feed
 from pneuservo.diagnosis.models.servo.motion import SLOWEST_MOTION, smooth_motion
 from pneuservo.diagnosis.models.servo.rests import chatters
 from pneuservo.diagnosis.models.servo.spread import shares_of_spool, spread_of_pressures
-from pneuservo.diagnosis.models.servo.stops import around, resting, touching
+from pneuservo.diagnosis.models.servo.stops import (
+    OF_FULL_FORCE,
+    PRESSED,
+    around,
+    resting,
+    touching,
+)
 from pneuservo.rigs import Rig
 
 STICKING = 3.0
@@ -69,8 +75,10 @@ def moved_by(fed: Feed, rig: Rig, force_rms: float | None) -> Feed:
     still = _held(motion[1], slow, interval)
     rests = np.zeros(len(fed.time), dtype=np.int64)
     if driving is not None and force_rms is not None:
+        full = (rig["supply.pressure"] - rig["ambient.pressure"]) * rig["piston.area_b"]
         friction = rig["piston.coulomb_friction"] + force_rms
-        rests = resting(motion[0], still, mass * driving, friction, interval, stroke)
+        least = max(PRESSED * friction, OF_FULL_FORCE * full)
+        rests = resting(motion[0], still, mass * driving, least, interval, stroke)
     near = touching(motion[0], rests, interval, stroke)
     motion[1:, rests != 0] = 0.0
     stuck = _held(motion[1], CREEPING, interval) & rest & ~near & (rests == 0) & all(fed.measured)

@@ -38,7 +38,11 @@ from pneuservo.diagnosis.models.servo.reading import (
 from pneuservo.diagnosis.models.servo.regimes import regimes_of
 from pneuservo.diagnosis.models.servo.run_observer import forces_at_rest
 from pneuservo.diagnosis.models.servo.stand_ins import with_stand_ins
-from pneuservo.diagnosis.models.servo.supply import sharpest_frequency, strongest_frequency
+from pneuservo.diagnosis.models.servo.supply import (
+    phase_of,
+    sharpest_frequency,
+    strongest_frequency,
+)
 from pneuservo.diagnosis.models.servo.tables import quantities_of, tables_of
 from pneuservo.diagnosis.models.servo.trust import (
     steadily,
@@ -114,10 +118,9 @@ class ServoModel(Model):
         if effect is not RIPPLE:
             return found
         if fed.supply is not None:
-            found["frequency"] = (strongest_frequency(fed.time, fed.supply_reading),)
+            found["frequency"] = (_ripple_in(cases[0])[0],)
         elif any(fed.measured):
-            left = np.sum(innovations(fed, {}, cases[0].rig)[: len(PRESSURES)], axis=0)
-            found["frequency"] += (sharpest_frequency(fed.time, left),)
+            found["frequency"] += (_ripple_in(cases[0])[0],)
         return found
 
     def completed(self, recording: Recording, rig: Rig) -> Recording:
@@ -247,7 +250,15 @@ class ServoModel(Model):
 
     def nuisances(self, case: Case, active: frozenset[str]) -> list[Unknown]:
         """Return what differs from recording to recording though the rig is the same."""
-        return nuisances_of(case, fitted="nuisances" not in self.without)
+        fitted = "nuisances" not in self.without
+        found = nuisances_of(case, fitted)
+        fed: Feed = case.inputs["feed"]
+        tells = fed.supply is not None or any(fed.measured)
+        if fitted and tells and case.inputs["leads"] and RIPPLE.id in active:
+            # When a recording begins a swing of the supply is anywhere.
+            phase = _ripple_in(case)[1]
+            found.append(Unknown(RIPPLE.key("phase"), phase, -np.inf, np.inf, None, "rad"))
+        return found
 
     def predict(self, case: Case, values: Values) -> Array:
         """Return the judged channel as expected from its surroundings and its own past."""
@@ -331,3 +342,17 @@ def _followed(cases: Sequence[Case], as_given: AsGiven) -> list[Case]:
         other = feeds[id(fed)]
         found.append(case if other is fed else replace(case, inputs={**case.inputs, "feed": other}))
     return found
+
+
+def _ripple_in(case: Case) -> tuple[float, float]:
+    """Return frequency [Hz] and phase [rad] of what may be a ripple of the supply.
+
+    Of a supply that was not recorded it shows in both chambers, beside what they do.
+    """
+    fed: Feed = case.inputs["feed"]
+    if fed.supply is not None:
+        frequency = strongest_frequency(fed.time, fed.supply_reading)
+        return frequency, phase_of(fed.time, fed.supply_reading, frequency)
+    left = np.sum(innovations(fed, {}, case.rig)[: len(PRESSURES)], axis=0)
+    frequency = sharpest_frequency(fed.time, left)
+    return frequency, phase_of(fed.time, left, frequency)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pneuservo.arrays import Array, Mask
+from pneuservo.recordings.converter import converter_step
 
 _AVERAGED = 40e-3
 """Everything is averaged twice over this before a loop is asked for its gain: what velocity and
@@ -23,7 +24,12 @@ _LEAST_JUMP = 0.01
 _OF_NEIGHBOURS = 10.0
 """So many times what it moves by in both neighbouring intervals."""
 _AT_A_LIMIT = 1e-3
-"""A command within this of the largest [-] ..."""
+"""A command within this of the largest [-], ..."""
+_STANDS_STILL = 2e-4
+"""... or that stands still to this share of the largest, or a step of its converter, at an end ..."""
+_AN_END = 0.5
+"""An end of what a command does is a limit if it is at least this share as far from zero as the
+other: at rest it may be at none."""
 _STAYS_AT_IT = 5
 """... for so many samples is at its limit: a piston takes some to follow a jump."""
 
@@ -181,7 +187,11 @@ def at_its_limit(voltage: Array) -> Mask:
     """
     from scipy.ndimage import binary_opening
 
-    size = np.abs(voltage)
-    return np.asarray(
-        binary_opening(size >= (1.0 - _AT_A_LIMIT) * np.max(size), np.ones(_STAYS_AT_IT))
-    )
+    low, high = float(np.min(voltage)), float(np.max(voltage))
+    largest, step = max(-low, high), converter_step(voltage)
+    there = np.abs(voltage) >= (1.0 - _AT_A_LIMIT) * largest
+    for end in (low, high):
+        # A recorded command may be off by an offset, so that its ends are not as far from zero.
+        if abs(end) > _AN_END * largest:
+            there |= np.abs(voltage - end) <= max(_STANDS_STILL * largest, step)
+    return np.asarray(binary_opening(there, np.ones(_STAYS_AT_IT)))

@@ -14,7 +14,10 @@ FARTHEST = 0.1
 """A displacement that reads more than this share of the stroke from a stop is not that of a piston
 at the stop."""
 PRESSED = 2.0
-"""A piston that rests though it is pushed by so many times its friction is held by a stop."""
+"""A piston that rests though it is pushed by so many times its friction is held by a stop ..."""
+OF_FULL_FORCE = 0.1
+"""... and by this share of what the supply pushes it with: an axis that leans, a spring, a pressure
+that reads wrongly or more friction than the rig has hold or push by tens of newtons anywhere."""
 PRESSED_FOR = 0.05
 """Time for which it has to be [s]."""
 UNSURE = 0.015
@@ -65,7 +68,7 @@ def resting(
     displacement: Array,
     still: Mask,
     force: Array,
-    friction: float,
+    least: float,
     interval: float,
     stroke: float,
 ) -> NDArray[np.int64]:
@@ -79,8 +82,8 @@ def resting(
         While the piston does not move.
     force : (n,) array
         On the piston but for its friction [N].
-    friction : float
-        Coulomb friction, with how well the force is known [N].
+    least : float
+        Force by which it is pressed on a stop at the least [N].
     interval, stroke : float
         Of the samples [s]; of the piston [m].
     """
@@ -88,8 +91,8 @@ def resting(
 
     push = averaged(force, interval)
     window = np.ones(max(2, round(PRESSED_FOR / interval)))
-    retracted = still & (push < -PRESSED * friction) & (displacement < FARTHEST * stroke)
-    extended = still & (push > PRESSED * friction) & (displacement > (1.0 - FARTHEST) * stroke)
+    retracted = still & (push < -least) & (displacement < FARTHEST * stroke)
+    extended = still & (push > least) & (displacement > (1.0 - FARTHEST) * stroke)
     found = binary_opening(extended, window).astype(np.int64)
     return np.asarray(found - binary_opening(retracted, window))
 

@@ -23,15 +23,13 @@ _HALVINGS = 40
 """Of the bracket of the pressure after a step: to a billionth of a bar."""
 
 
-def smoothed_supply(time: Array, reading: Array, noise: float) -> Array:
+def smoothed_supply(time: Array, reading: Array) -> Array:
     """Return a measured supply pressure without most of its noise.
 
     Parameters
     ----------
     time, reading : (n,) array
         [s], [Pa]; NaN where there is no reading.
-    noise : float
-        Of the reading [Pa].
 
     Notes
     -----
@@ -46,17 +44,17 @@ def smoothed_supply(time: Array, reading: Array, noise: float) -> Array:
 
     >>> t = np.arange(2000) * 1e-3
     >>> noise = 300.0 * np.random.default_rng(1).standard_normal(2000)
-    >>> round(float(np.std(smoothed_supply(t, 6e5 + noise, 300.0))) / 300.0, 1)
+    >>> round(float(np.std(smoothed_supply(t, 6e5 + noise))) / 300.0, 1)
     0.1
     >>> dip = -2e4 * np.exp(-(((t - 1.0) / 0.02) ** 2))
-    >>> round(float(np.min(smoothed_supply(t, 6e5 + dip + noise, 300.0))), -3)
+    >>> round(float(np.min(smoothed_supply(t, 6e5 + dip + noise))), -3)
     580000.0
     """
     from scipy.ndimage import uniform_filter1d
 
     closed, interval = bridged(time, reading), float(np.median(np.diff(time)))
     # What a reading tells of the pressure, and of another reading, whose noise is its own.
-    best, least = closed, 2.0 * noise**2
+    best, least = closed, float(np.mean(np.diff(closed) ** 2))
     for over in SMOOTHING:
         width = 2 * max(1, round(0.5 * over / interval)) + 1
         mean = uniform_filter1d(closed, width, mode="nearest")
@@ -144,6 +142,28 @@ def sharpest_frequency(time: Array, left: Array) -> float:
     frequency, power = _spectrum(time, left)
     beside = median_filter(power, _BESIDE * _FINER + 1)
     return float(frequency[int(np.argmax(power / np.maximum(beside, 1e-9 * np.max(power))))])
+
+
+def phase_of(time: Array, reading: Array, frequency: float) -> float:
+    """Return the phase of the swing of a frequency, as that of a sine at the first sample [rad].
+
+    Parameters
+    ----------
+    time, reading : (n,) array
+        [s]; what swings, among other things.
+    frequency : float
+        Of the swing [Hz].
+
+    Examples
+    --------
+    >>> t = np.arange(4000) * 1e-3
+    >>> round(phase_of(t, 6e5 + np.sin(2 * np.pi * 3.1 * t + 2.0), 3.1), 1)
+    2.0
+    """
+    from scipy.signal import detrend
+
+    turned = np.exp(-2j * np.pi * frequency * (time - time[0]))
+    return float(np.angle(1j * np.sum(detrend(bridged(time, reading)) * turned)))
 
 
 def _spectrum(time: Array, reading: Array) -> tuple[Array, Array]:

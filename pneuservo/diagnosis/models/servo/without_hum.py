@@ -11,6 +11,7 @@ from pneuservo.diagnosis.models.servo.feed import CHANNELS, FOLLOWED, Feed
 from pneuservo.diagnosis.models.servo.feeding import feed
 from pneuservo.diagnosis.models.servo.run_observer import run_observer
 from pneuservo.recordings import Recording
+from pneuservo.recordings.converter import converter_step
 from pneuservo.rigs import Rig
 
 _PASSES = 2
@@ -45,6 +46,7 @@ def without_hum(
     fed = with_observer(as_given(begun, rig), rig)
     if repeats(fed.voltage, fed.interval):
         return recording, fed
+    in_steps = [name for name in begun.noise if converter_step(recording[name])]
     for _ in range(_PASSES):
         noise = fed.noise_of(CHANNELS)
         left = run_observer(fed, {}, rig)[: len(CHANNELS)] / noise[:, np.newaxis]
@@ -63,6 +65,10 @@ def without_hum(
         for name, waves, scale in zip(CHANNELS, hum, noise, strict=True):
             if name in channels:
                 channels[name] = channels[name] - scale * waves
-        recording = replace(recording, channels=channels)
+        # Without hum no level of a converter comes again, and its steps would be noise no more.
+        stated = {name: size for name, size in begun.noise.items() if name in in_steps}
+        recording = replace(
+            recording, channels=channels, noise_rms={**stated, **recording.noise_rms}
+        )
         fed = with_observer(as_given(feed(recording, rig), rig), rig)
     return recording, fed
