@@ -26,7 +26,7 @@ _OF_NEIGHBOURS = 10.0
 _AT_A_LIMIT = 1e-3
 """A command within this of the largest [-], ..."""
 _STANDS_STILL = 2e-4
-"""... or that stands still to this share of the largest, or a step of its converter, at an end ..."""
+"""... or that stands still to this share of it, or a step of its converter, at an end ..."""
 _AN_END = 0.5
 """An end of what a command does is a limit if it is at least this share as far from zero as the
 other: at rest it may be at none."""
