@@ -13,12 +13,16 @@ from pneuservo.limit_cycle.linear_simulation import START_ERROR, StepCourse, sim
 from pneuservo.limit_cycle.loop import BILINEAR, Loop
 from pneuservo.limit_cycle.nonlinear_simulation import simulate_nonlinear
 from pneuservo.rigs import Rig
-from pneuservo.simulation.metrics import limit_cycle
+from pneuservo.simulation.metrics import limit_cycle, sustained
 
 DESCRIBING_FUNCTION, EXACT = "describing_function", "exact"
 LINEAR, NONLINEAR = "linear_simulation", "nonlinear_simulation"
-# How long a loop is followed; the second half is looked at [s].
-FOLLOWED = 0.8
+# How long a loop is followed at least and at most; the second half is looked at [s].
+_SHORTEST, _LONGEST = 0.8, 20.0
+# After so many settling times of the surface the mean error has come to rest [-].
+_SETTLING_TIMES = 3.0
+# How many periods of the predicted cycle a loop is followed at least, of which half are looked at.
+_PERIODS = 20
 # The thesis' step, 9 mm, as a share of the stroke [-].
 _STEP_OF_STROKE = 0.3
 # An analogue cycle with fewer samples than this is that of the integration: the loop slides.
@@ -169,7 +173,7 @@ def by_linear_simulation(loop: Loop, start_error: float = START_ERROR) -> Findin
     start_error : float, optional
         Demand less displacement at the start [m].
     """
-    course = simulate_linear(loop, start_error, FOLLOWED)
+    course = simulate_linear(loop, start_error, followed(loop, start_error))
     note = ""
     if loop.signals.differentiation == BILINEAR:
         note = "bilinear differences ring at half the sampling frequency"
@@ -198,8 +202,39 @@ def by_nonlinear_simulation(
     grid : (4, 51, 101) array, optional
         Discharge coefficients; by default those of the rig's valve [-].
     """
-    course = simulate_nonlinear(rig, loop, displacement, start_error, FOLLOWED, grid)
-    return measured(course)
+    duration = followed(loop, start_error)
+    return measured(simulate_nonlinear(rig, loop, displacement, start_error, duration, grid))
+
+
+def followed(loop: Loop, start_error: float) -> float:
+    """Return how long to follow a loop, so that it cycles in all of the second half [s].
+
+    Parameters
+    ----------
+    loop : Loop
+        The loop.
+    start_error : float
+        Demand less displacement at the start [m].
+
+    Notes
+    -----
+    The first half is enough for the way to the surface at the servo's full speed, b0 U/a1, and for
+    three settling times along it. At most 20 s.
+
+    Examples
+    --------
+    >>> from analog_card.linear_servo import LinearServo
+    >>> followed(Loop(LinearServo(), (3265.3, 114.3, 1.0)), 9e-3)
+    0.8
+    """
+    servo = loop.servo
+    reaching = abs(start_error) * servo.a1 / (servo.b0 * min(loop.levels))
+    decay = [-pole.real for pole in np.roots(loop.weights[::-1]) if pole.real < 0.0]
+    settling = 4.0 / min(decay) if decay else 0.0
+    predicted = dominant(describing_function_cycles(loop))
+    periods = 0.0 if predicted is None else _PERIODS / predicted.frequency
+    needed = max(2.0 * (reaching + _SETTLING_TIMES * settling), periods)
+    return float(min(max(needed, _SHORTEST), _LONGEST))
 
 
 def measured(course: StepCourse, note: str = "") -> Finding:
@@ -216,7 +251,7 @@ def measured(course: StepCourse, note: str = "") -> Finding:
     found = limit_cycle(course.time[half:], course.surface[half:])
     interval = float(course.time[1] - course.time[0])
     if found is None:
-        note = note or "settles without a limit cycle"
+        note = note or _without_cycle(course, half)
     elif not course.sampled and found.frequency * interval * _SAMPLES_PER_CYCLE > 1.0:
         found, note = None, "slides: switches with every step"
     if found is None:
@@ -239,6 +274,19 @@ def step_inside(rig: Rig, displacement: float) -> float:
     """
     size = _STEP_OF_STROKE * rig["piston.stroke"]
     return size if displacement >= size else -size
+
+
+def _without_cycle(course: StepCourse, half: int) -> str:
+    """Return why no cycle is seen in what follows the first half."""
+    end = float(course.time[-1])
+    if np.all(course.voltage[: half + 1] == course.voltage[0]):
+        return (
+            f"not seen: still on the way to the surface after {0.5 * end:.3g} of the {end:.3g} s "
+            "that were followed; a higher level would get there sooner"
+        )
+    if sustained(course.surface[half:]):
+        return f"not seen: swings on, but too few whole periods end within {end:.3g} s"
+    return "settles without a limit cycle"
 
 
 def _chosen(cycles: list[Cycle], chosen: Cycle | None, note: str) -> Finding:

@@ -6,7 +6,7 @@ import numpy as np
 
 from pneuservo.arrays import Array
 from pneuservo.errors import InputError
-from pneuservo.limit_cycle.comparison import FOLLOWED, measured
+from pneuservo.limit_cycle.comparison import followed, measured
 from pneuservo.limit_cycle.linear_simulation import simulate_sampled
 from pneuservo.limit_cycle.loop import Loop
 
@@ -66,6 +66,7 @@ def locking(loop: Loop, starts: int = 25, seed: int = 1) -> Locking:
     if not loop.signals.sampled:
         raise InputError("only a sampled loop locks to whole samples; give a sampling time")
     errors = np.random.default_rng(seed).uniform(-LARGEST_START, LARGEST_START, starts)
-    cycles = [measured(course).cycle for course in simulate_sampled(loop, errors, FOLLOWED)]
+    courses = simulate_sampled(loop, errors, followed(loop, LARGEST_START))
+    cycles = [measured(course).cycle for course in courses]
     rows = [(c.frequency, c.high, c.low, c.mean_error) for c in cycles if c is not None]
     return Locking(*np.array(rows).reshape(-1, 4).T)

@@ -160,14 +160,11 @@ def limit_cycle(time: Array, signal: Array) -> LimitCycle | None:
     >>> round(limit_cycle(time, np.sin(2.0 * np.pi * 50.0 * time)).frequency, 3)
     50.0
     """
-    low, high = float(np.min(signal)), float(np.max(signal))
-    if not low < 0.0 < high:
+    if not sustained(signal):
         return None
+    low = float(np.min(signal))
     crossings = _upward_crossings(time, signal, _HYSTERESIS * low)
-    half = len(signal) // 2
     if len(crossings) <= _LEAST_PERIODS:
-        return None
-    if np.ptp(signal[half:]) < _SUSTAINED * np.ptp(signal[:half]):
         return None
     periods = len(crossings) - 1
     start, end = float(crossings[0]), float(crossings[-1])
@@ -180,6 +177,25 @@ def limit_cycle(time: Array, signal: Array) -> LimitCycle | None:
         start,
         end,
     )
+
+
+def sustained(signal: Array) -> bool:
+    """Return whether a signal swings about zero and its swing does not die out.
+
+    Parameters
+    ----------
+    signal : (n,) array
+        In any unit; a window without demand changes.
+
+    Examples
+    --------
+    >>> sustained(np.array([1.0, -1.0, 1.0, -1.0])), sustained(np.array([1.0, -1.0, 0.1, -0.1]))
+    (True, False)
+    """
+    half = len(signal) // 2
+    if not np.min(signal) < 0.0 < np.max(signal):
+        return False
+    return bool(np.ptp(signal[half:]) >= _SUSTAINED * np.ptp(signal[:half]))
 
 
 def limit_cycles(time: Array, demand: Array, signal: Array) -> list[LimitCycle]:

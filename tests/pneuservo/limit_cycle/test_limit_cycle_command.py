@@ -41,6 +41,10 @@ def test_table_and_picture(tmp_path):
 def test_the_slowest_controller_that_is_allowed_is_judged():
     result = run("--sampling-time", "0.1", "--json")
     assert result.exit_code == 0, result.output
+    methods = json.loads(result.stdout)["methods"]
+    for method in ("linear_simulation", "nonlinear_simulation"):
+        # Switching at every sample is the fastest that there is, 5 Hz.
+        assert 3.0 < methods[method]["frequency"] < 5.01
 
 
 @pytest.mark.parametrize(

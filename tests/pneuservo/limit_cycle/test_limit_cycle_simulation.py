@@ -16,6 +16,7 @@ from pneuservo.limit_cycle import (
     Signals,
     compare,
     exact_cycles,
+    rig_loop,
     simulate_linear,
     simulate_nonlinear,
 )
@@ -179,6 +180,27 @@ def test_without_valve_the_non_linear_loop_slides(rig):
     found = measured(simulate_nonlinear(rig, Loop(without_valve(SERVO), WEIGHTS)))
     assert found.cycle is None
     assert "slides" in found.note
+
+
+def test_a_long_stroke_is_followed_until_it_cycles(rig):
+    stroke = replace(rig.parameters["piston.stroke"], value=0.5)
+    long = replace(rig, parameters={**rig.parameters, "piston.stroke": stroke})
+    loop = rig_loop(long, 0.25)
+    found = compare(loop, long, 0.25)
+    [exact] = exact_cycles(loop)
+    # The step of 150 mm takes half a second at full voltage.
+    assert found["linear_simulation"].cycle.frequency == pytest.approx(exact.frequency, rel=1e-3)
+    assert found["nonlinear_simulation"].cycle.frequency == pytest.approx(exact.frequency, rel=0.1)
+
+
+def test_what_was_not_followed_long_enough_is_not_said_to_settle():
+    loop = Loop(SERVO, WEIGHTS)
+    afar = measured(simulate_linear(loop, start_error=0.15, duration=0.3))
+    assert afar.cycle is None
+    assert "still on the way to the surface after 0.15 of the 0.3 s" in afar.note
+    brief = measured(simulate_linear(loop, duration=0.04))
+    assert brief.cycle is None
+    assert "too few whole periods" in brief.note
 
 
 def test_all_methods_side_by_side(rig):
