@@ -1,6 +1,7 @@
 """``pneuservo identify``: mass, friction and other values of a rig from recordings."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from pneuservo.command_line.recording_files import (
 )
 from pneuservo.command_line.unused_options import refuse_unused
 from pneuservo.errors import InputError
-from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs import Parameter, Rig, load_rig
 from pneuservo.rigs.rig_file import files_beside, rig_document
 
 METHODS = ("output-error", "least-squares", "evolution")
@@ -108,7 +109,7 @@ def command(
         found, each = _identified(known.kind, method, used, rig, options)
         step("writing")
         answer = _document(found, each, known.kind)
-        _write(found, answer, known, out)
+        _write(found, answer, known, used[0].conditions, out)
     if as_json:
         click.echo(json.dumps(answer, indent=2))
     else:
@@ -222,7 +223,9 @@ def _document(found: Any, each: dict[tuple[str, str], Any], kind: str) -> dict[s
     }
 
 
-def _write(found: Any, answer: dict[str, Any], rig: Rig, out: Path) -> None:
+def _write(
+    found: Any, answer: dict[str, Any], rig: Rig, conditions: Mapping[str, float], out: Path
+) -> None:
     from pneuservo.identification.pictures import draw_autocorrelation, draw_fit
     from pneuservo.report.svg import draw
 
@@ -236,22 +239,35 @@ def _write(found: Any, answer: dict[str, Any], rig: Rig, out: Path) -> None:
     files = {
         "identification.json": json.dumps(answer, indent=2) + "\n",
         **files_beside(rig),
-        "rig.toml": tomli_w.dumps(_rig(found, rig)),
+        "rig.toml": tomli_w.dumps(_rig(found, rig, conditions)),
         "fit.svg": picture,
     }
     write_files(out, files)
 
 
-def _rig(found: Any, rig: Rig) -> dict[str, Any]:
-    """Return the rig file of a rig with the values found."""
+def _rig(found: Any, rig: Rig, conditions: Mapping[str, float]) -> dict[str, Any]:
+    """Return the rig file of a rig with the values found, from a first recording's conditions."""
     source = f"pneuservo identify, {found.method}"
     # The rig of a seal tester has no viscous friction of its own.
     repaired = rig.with_own_values({name: entry.value for name, entry in found.values.items()})
+    begun = rig.with_conditions(conditions)
     named = {
-        name: replace(parameter, source=source) if name in found.values else parameter
+        name: replace(
+            parameter,
+            source=source,
+            nominal=_nominal(rig.parameters[name], begun.parameters[name]),
+        )
+        if name in found.values
+        else parameter
         for name, parameter in repaired.parameters.items()
     }
     return rig_document(replace(repaired, parameters=named))
+
+
+def _nominal(given: Parameter, begun: Parameter) -> float:
+    """Return what a parameter was taken to be before anything was fitted to any recording."""
+    measured_anew = begun.value != given.value
+    return begun.value if measured_anew or given.nominal is None else given.nominal
 
 
 def _print(answer: dict[str, Any], out: Path) -> None:

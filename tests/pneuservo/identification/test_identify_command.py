@@ -1,6 +1,7 @@
 """``pneuservo identify`` as a user runs it."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
@@ -49,6 +50,22 @@ def test_the_rig_it_writes_holds_the_values(recording, tmp_path):
     rig = load_rig(tmp_path / "rig.toml")
     for name, entry in answer["values"].items():
         assert rig[name] == pytest.approx(entry["value"])
+
+
+def test_a_condition_that_the_fit_began_at_leaves_the_value_found_alone(tmp_path):
+    heavy = load_rig("single-axis").with_values({"load.mass": 2.4})
+    made = simulate_excitation(heavy, duration=1.0, amplitude=0.004, seed=4, held=True)
+    stated = {"load_mass": 2.0}
+    write_recording(replace(made, rig="single-axis", conditions=stated), tmp_path / "heavy.csv")
+    answer = document(tmp_path / "heavy.csv", tmp_path, "--method", "least-squares")
+    found = answer["values"]["load.mass"]["value"]
+    assert found == pytest.approx(2.4, rel=0.1)
+    rig = load_rig(tmp_path / "rig.toml")
+    assert rig.with_conditions(stated)["load.mass"] == found
+    assert rig.with_conditions({"load_mass": 3.0})["load.mass"] == 3.0
+    # Again from there: what was taken to be before the first fit stays.
+    document(tmp_path / "heavy.csv", tmp_path / "again", "--rig", tmp_path / "rig.toml")
+    assert load_rig(tmp_path / "again" / "rig.toml").parameters["load.mass"].nominal == 2.0
 
 
 def test_the_rig_it_writes_is_otherwise_the_one_it_was_given(recording, tmp_path):
