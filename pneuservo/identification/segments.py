@@ -1,7 +1,7 @@
 """A recording cut into segments, each simulated from a state of its own."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from pneuservo.noise import noise_floor
 from pneuservo.recordings import Recording
 from pneuservo.rigs import Rig
 from pneuservo.simulation import InitialState, simulate
+from pneuservo.simulation.readings import EXACT
 
 OUTPUTS = ("displacement", "pressure_a", "pressure_b")
 STATES = ("displacement", "velocity", "pressure_a", "pressure_b")
@@ -26,6 +27,8 @@ _FEWEST = 8
 _LARGEST_STEP = 4e-4
 # A continuous command is held for so many parts of a sample, each at its mean.
 _PARTS = 4
+# Their laws count time from the start of a recording, which a segment does not know.
+_BY_THE_CLOCK = ("unexplained.drift", "supply.slow-drift", "supply.ripple", "sensor.noise-colour")
 # No chamber of the rig gets near vacuum [Pa].
 _LOWEST_PRESSURE = 1e4
 
@@ -39,7 +42,7 @@ class Segments:
     name : str
         Of the recording.
     rig : Rig
-        In the conditions of the recording.
+        In the conditions of the recording, its transducers without noise.
     time : (n,) array
         Evenly spaced [s].
     command, force : (n,) array
@@ -100,13 +103,15 @@ def cut(
     Raises
     ------
     InputError
-        When a channel is missing, or a segment would hold hardly any sample.
+        When a channel is missing, a segment would hold hardly any sample, or the rig has an effect
+        that counts time from the start of the recording.
 
     Notes
     -----
     The first guess of a state is the filtered measurement; without pressures it is the balance of
     forces. The spool follows the command alone and is worked out once.
     """
+    _require_no_clock(rig)
     outputs = tuple(name for name in OUTPUTS if name in recording)
     extra = ("force",) if "force" in recording else ()
     required = tuple(dict.fromkeys(("valve_voltage", "displacement", *outputs, *extra)))
@@ -123,7 +128,7 @@ def cut(
     }
     return Segments(
         recording.name,
-        rig,
+        _without_noise(rig),
         time,
         samples["valve_voltage"],
         samples.get("force", np.zeros_like(time)),
@@ -144,6 +149,23 @@ def _require_segment(name: str, segment: float, interval: float) -> None:
             f"{name}: a segment of {segment:g} s is {segment / interval:.3g} samples; it has to be "
             f"{_FEWEST} samples or more, {_FEWEST * interval:.3g} s. Give a longer --segment"
         )
+
+
+def _require_no_clock(rig: Rig) -> None:
+    clocked = [name for name in _BY_THE_CLOCK if name in rig.effects]
+    if clocked:
+        raise InputError(
+            f"rig {rig.name} has the effects {', '.join(clocked)}, which count time from the start "
+            "of a recording; segments start anew and can have all others. Remove them from the "
+            "rig, or identify by least squares"
+        )
+
+
+def _without_noise(rig: Rig) -> Rig:
+    """Return a rig whose model is exact: the noise of the recording is in the recording."""
+    quiet = {name: replace(entry, noise=0.0) for name, entry in rig.transducers.items()}
+    kept = {name: entry for name, entry in quiet.items() if entry != EXACT}
+    return replace(rig, transducers=kept)
 
 
 def start_of(rig: Rig, names: Sequence[str]) -> tuple[dict[str, float], dict[str, str]]:

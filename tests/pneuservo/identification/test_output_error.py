@@ -16,7 +16,7 @@ from pneuservo.identification import (
 )
 from pneuservo.identification.segments import STATES, cut, run_segment
 from pneuservo.identification.whiteness import whiteness
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
 from pneuservo.thesis.chapter_4_motion import stiction
 
@@ -58,6 +58,26 @@ def test_the_residual_of_the_right_model_is_white():
     assert all(judged.white for judged in found.whiteness.values())
     # Noise of 0.1 % of the largest reading, from 500 samples: 3 % each.
     assert found.rms("displacement") == pytest.approx(0.001 * 18.7e-3, rel=0.2)
+
+
+def test_the_noise_of_the_rigs_transducers_is_not_put_into_the_model():
+    noisy = replace(RIG, transducers={"displacement": Transducer(50e-6)})
+    recording = excited()
+    exact = cut(recording, RIG, 0.25)
+    model = cut(recording, noisy, 0.25)
+    runs = (run_segment(part, 1, part.rig, part.states[1]) for part in (exact, model))
+    assert np.array_equal(*runs)
+    # A range is no noise.
+    ranged = replace(RIG, transducers={"displacement": Transducer(50e-6, 0.0, 0.02)})
+    assert cut(recording, ranged).rig.transducers == {"displacement": Transducer(0.0, 0.0, 0.02)}
+
+
+@pytest.mark.parametrize(
+    "name", ["unexplained.drift", "supply.slow-drift", "supply.ripple", "sensor.noise-colour"]
+)
+def test_an_effect_that_counts_time_from_the_start_is_refused(name):
+    with pytest.raises(InputError, match=f"{name}, which count time from the start"):
+        cut(excited(), replace(RIG, effects={name: {}}))
 
 
 def test_a_model_that_leaves_something_out_is_not_white_and_says_so():
