@@ -15,7 +15,7 @@ from analog_card.tolerance_figures import behaviour_figures
 from analog_card.tolerance_study import Study, require_limits, study_of
 from analog_card.tolerance_trials import fingerprint, run_trials
 from pneuservo.controllers import card_of
-from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs import Rig, load_rig, plant_numbers
 from pneuservo.simulation import simulate
 from pneuservo.simulation.metrics import limit_cycle
 
@@ -132,8 +132,7 @@ def study_loop(
     rig = rig or load_rig("single-axis")
     require_limits(limits, ALL_FIGURES)
     place = Path(folder) if folder is not None else None
-    parameters = {key: parameter.value for key, parameter in rig.parameters.items()}
-    name = fingerprint(design, seed, parameters)
+    name = fingerprint(design, seed, *plant_numbers.all_numbers(rig))
     loop = partial(_trials, design, rig, seed)
     trials = run_trials(loop, count, f"loop {name}", place and place / "loop.jsonl", jobs, step)
 

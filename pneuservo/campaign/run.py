@@ -149,12 +149,8 @@ def identity(campaign: Campaign) -> str:
 
     Not of it are the title and the number of trials: more of them leave those before as they are.
     """
-    rig = campaign.rig
     return fingerprint(
-        {name: parameter.value for name, parameter in rig.parameters.items()},
-        rig.effect_values,
-        rig.transducers,
-        plant_numbers.valve_grid(rig.valve).tobytes(),
+        *plant_numbers.all_numbers(campaign.rig),
         campaign.controller,
         campaign.options,
         campaign.time.tobytes(),

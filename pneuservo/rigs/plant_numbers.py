@@ -68,6 +68,27 @@ def single_axis(rig: Rig) -> SingleAxis:
     )
 
 
+def all_numbers(rig: Rig) -> tuple[object, ...]:
+    """Return all that a simulation takes from a rig with a valve: another answer, another run.
+
+    Parameters
+    ----------
+    rig : Rig
+        A rig of kind ``single-axis``.
+
+    Returns
+    -------
+    tuple
+        Values of parameters and effects, transducers, and the valve's tables.
+    """
+    return (
+        {name: parameter.value for name, parameter in rig.parameters.items()},
+        rig.effect_values,
+        rig.transducers,
+        valve_grid(rig.valve).tobytes(),
+    )
+
+
 def dead_volume(rig: Rig) -> DeadVolume:
     """Return the numbers of a closed test volume behind a valve.
 

@@ -1,6 +1,7 @@
 """Tolerance studies in closed loop."""
 
 import json
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,15 +10,16 @@ from click.testing import CliRunner
 
 from analog_card.command_line.tolerance import parsed_limits
 from analog_card.design_file import load_design
+from analog_card.errors import InputError
 from analog_card.tolerance import draw, elements_of, quantities
 from analog_card.tolerance_figures import behaviour_figures
 from analog_card.tolerance_trials import run_trials
 from pneuservo.circuit_loop import simulate_circuit_loop
 from pneuservo.command_line import main
 from pneuservo.controllers import card_of
-from pneuservo.rigs import load_rig
+from pneuservo.rigs import Transducer, load_rig
 from pneuservo.simulation import simulate
-from pneuservo.tolerance import ALL_FIGURES, _trials, closed_loop_figures
+from pneuservo.tolerance import ALL_FIGURES, _trials, closed_loop_figures, study_loop
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +70,24 @@ def test_a_drawn_card_closes_the_loop_alike_as_circuit_and_as_behaviour(design):
 def test_a_trial_is_the_same_alone_and_among_others(design):
     trial = partial(_trials, design, load_rig("single-axis"), 3)
     assert run_trials(trial, 2, "x")[1] == next(iter(trial([1])))
+
+
+def test_trials_of_another_rig_are_not_taken_for_those_of_this_one(design, tmp_path, monkeypatch):
+    def stopped(*_):
+        raise RuntimeError
+
+    monkeypatch.setattr("pneuservo.tolerance.closed_loop_figures", stopped)
+    rig = load_rig("single-axis")
+    with pytest.raises(RuntimeError):
+        study_loop(design, rig, 1, folder=tmp_path)
+    others = (
+        replace(rig, effects={"spool.null-bias": {"bias": 0.01}}),
+        replace(rig, transducers={"displacement": Transducer(2e-5)}),
+        replace(rig, valve="ddv-27a1-uncalibrated"),
+    )
+    for other in others:
+        with pytest.raises(InputError, match="another study"):
+            study_loop(design, other, 1, folder=tmp_path)
 
 
 def test_command_prints_json_and_goes_on(tmp_path):
