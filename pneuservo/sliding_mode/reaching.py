@@ -13,8 +13,9 @@ from pneuservo.errors import InputError
 from pneuservo.linear.models import state_matrices
 from pneuservo.sliding_mode.surface import Surface
 
-# How finely a motion is looked at, and after how long at full voltage it is given up [s].
-_STEP, _LONGEST = 2e-4, 2.0
+# How finely a motion is looked at, and after how long at full voltage it is given up at the
+# earliest [s], or at so many times what the way takes at full speed [-].
+_STEP, _LONGEST, _TIMES_AS_LONG = 2e-4, 2.0, 3.0
 _MOST_POINTS = 5000
 
 
@@ -61,7 +62,8 @@ def reaching_phase(
     Raises
     ------
     InputError
-        When the error is zero, or the surface is not reached within 2 s.
+        When the error is zero, or the surface is not reached within 2 s, or three times what the
+        way takes at full speed where that is longer.
 
     Notes
     -----
@@ -91,17 +93,24 @@ def reaching_phase(
     def sigma(state: Array) -> float:
         return float(-weights @ state[:3]) * np.sign(voltage)
 
-    step = expm(augmented * _STEP)
+    longest = max(_LONGEST, _TIMES_AS_LONG * abs(error) * servo.a1 / (servo.b0 * level))
+    step, passed = _STEP, 0.0
+    onwards = expm(augmented * step)
     states = [start]
-    while sigma(following := step @ states[-1]) > 0.0:
+    while sigma(following := onwards @ states[-1]) > 0.0:
         states.append(following)
-        if len(states) * _STEP > _LONGEST:
+        passed += step
+        if passed > longest:
             raise InputError(
-                f"the surface is not reached within {_LONGEST:g} s at {level:g} V; give a higher "
-                "level or a shorter settling time"
+                f"the surface is not reached within {longest:.3g} s at {level:g} V from a step of "
+                f"{1e3 * abs(error):.3g} mm; give a smaller step or a higher level"
             )
-    rest = brentq(lambda t: sigma(expm(augmented * t) @ states[-1]), 0.0, _STEP, xtol=1e-12)
-    at = float((len(states) - 1) * _STEP + rest)
+        if passed > _LONGEST and step == _STEP:
+            # What the start stirred up is over: the rest of a long way is even.
+            step *= longest / _LONGEST
+            onwards = expm(augmented * step)
+    rest = brentq(lambda t: sigma(expm(augmented * t) @ states[-1]), 0.0, step, xtol=1e-12)
+    at = float(passed + rest)
     states.append(expm(augmented * rest) @ states[-1])
     return ReachingPhase(at, float(voltage), np.array(states)[:, :3])
 

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from pneuservo.command_line import main
 from pneuservo.errors import InputError
+from pneuservo.linear import advanced_servo, servo_data
 from pneuservo.rigs import load_rig
 from pneuservo.sliding_mode.design import Requirements, design_sliding_mode
 
@@ -46,6 +47,16 @@ def test_a_larger_valve_makes_it_reachable(found):
     same = design_sliding_mode(rig, Requirements(range_space="physical"))
     assert larger.over_space.voltage < same.over_space.voltage * factor
     assert larger.along_step < found.along_step * factor
+
+
+def test_a_large_cylinder_takes_its_time_and_is_designed_for():
+    areas = {"piston.area_a": 7854e-6, "piston.area_b": 7363e-6}
+    rig = load_rig("single-axis").with_values({**areas, "piston.stroke": 0.5})
+    large = design_sliding_mode(rig)
+    nominal = advanced_servo(servo_data(rig), 0.25, extending=True)
+    at_full_speed = 0.5 * nominal.a1 / (nominal.b0 * large.level)
+    assert at_full_speed > 20.0
+    assert large.reaching_time == pytest.approx(at_full_speed, rel=0.01)
 
 
 def test_a_narrow_layer_is_warned_of(found):

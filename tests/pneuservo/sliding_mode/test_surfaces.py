@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+from analog_card.linear_servo import LinearServo
 from pneuservo.errors import InputError
 from pneuservo.linear import (
     advanced_servo,
@@ -238,8 +239,14 @@ def test_reaching_time_of_the_chosen_surface():
         0.0634, abs=5e-5
     )
     assert reaching_phase(servo, surface, 5.0, -0.03).time == pytest.approx(0.0645, abs=5e-5)
-    with pytest.raises(InputError, match="not reached"):
-        reaching_phase(servo, surface, 0.1, -0.03)
+    # At a fiftieth of the level full speed takes 5 s: the surface is met a little before.
+    slow = without_valve(servo)
+    alone = 0.03 * slow.a1 / (slow.b0 * 0.1)
+    assert 0.9 * alone < reaching_phase(slow, surface, 0.1, -0.03).time < alone
+    with pytest.raises(
+        InputError, match=r"within 2 s at 0\.001 V from a step of 30 mm; give a small"
+    ):
+        reaching_phase(LinearServo(1.0, 1e-9, 1.0), surface, 1e-3, -0.03)
     with pytest.raises(InputError, match="error is 0"):
         reaching_phase(servo, surface, 5.0, 0.0)
 
