@@ -283,7 +283,7 @@ def _print(report: Mapping[str, Any]) -> None:
                 f"{step['target'] * 1e3:.4g} mm",
                 _milliseconds(step["rise_time"]),
                 _milliseconds(step["settling_time"]),
-                f"{step['overshoot'] * 100:.1f} %",
+                _percent(step["overshoot"]),
                 f"{step['steady_state_error'] * 1e3:.4f} mm",
             )
         console.print(table)
@@ -303,3 +303,7 @@ def _print(report: Mapping[str, Any]) -> None:
 
 def _milliseconds(seconds: float) -> str:
     return "not reached" if math.isnan(seconds) else f"{seconds * 1e3:.0f} ms"
+
+
+def _percent(share: float) -> str:
+    return "no answer" if math.isnan(share) else f"{share * 100:.1f} %"

@@ -33,9 +33,10 @@ class StepResponse:
         From the change to 63.2 % of the way to the final value; NaN when never reached [s].
     settling_time : float
         From the change to where the displacement stays within the band about its final value; NaN
-        when it is still outside near the end [s].
+        when it is still outside near the end, or has never left the band [s].
     overshoot : float
-        Beyond the final value, as a share of the way to it [-].
+        Beyond the final value, as a share of the way to it; NaN when it has never left the band
+        [-].
     steady_state_error : float
         Demand less displacement, mean over the last fifth of the hold [m].
     """
@@ -291,11 +292,13 @@ def _step_response(
     origin, target = float(displacement[k]), float(demand[k])
     way = final - origin
     since = time[k:end] - time[k]
-    progress = (displacement[k:end] - origin) / way if way else np.zeros(end - k)
-    outside = np.flatnonzero(
-        np.abs(displacement[k:end] - final) > band * abs(target - float(demand[k - 1]))
-    )
+    allowed = band * abs(target - float(demand[k - 1]))
+    # A loop that does nothing is within its band from the start; one that broke down is nowhere.
+    answered = np.isfinite(way) and abs(way) > allowed
+    progress = (displacement[k:end] - origin) / way if answered else np.full(end - k, np.nan)
+    outside = np.flatnonzero(np.abs(displacement[k:end] - final) > allowed)
     settled = 0 if len(outside) == 0 else int(outside[-1]) + 1
+    has_settled = answered and k + settled < final_part.start
     risen = np.flatnonzero(progress >= 1.0 - np.exp(-1.0))
     return StepResponse(
         start=float(time[k]),
@@ -304,7 +307,7 @@ def _step_response(
         target=target,
         rise_time=float(since[risen[0]]) if len(risen) else float("nan"),
         # What only settles inside the part that defines the final value has not settled.
-        settling_time=float(since[settled]) if k + settled < final_part.start else float("nan"),
-        overshoot=max(float(np.max(progress)) - 1.0, 0.0),
+        settling_time=float(since[settled]) if has_settled else float("nan"),
+        overshoot=float(np.maximum(np.max(progress) - 1.0, 0.0)),
         steady_state_error=float(np.mean(demand[final_part] - displacement[final_part])),
     )

@@ -94,6 +94,8 @@ def assert_overshoot_below(run: Run, limit: Limit) -> None:
     def says(step: StepResponse) -> str | None:
         if step.overshoot <= allowed:
             return None
+        if math.isnan(step.overshoot):
+            return f"the displacement does not answer, {100 * allowed:.3g} % overshoot is allowed"
         return f"overshoots by {100 * step.overshoot:.3g} %, {100 * allowed:.3g} % is allowed"
 
     _each_step(run, says)

@@ -79,6 +79,14 @@ def test_closed_loop_writes_every_channel(run, tmp_path):
     assert (tmp_path / "loop.svg").read_text().lstrip().startswith("<?xml")
 
 
+def test_a_loop_that_does_nothing_is_not_said_to_settle(run):
+    shown = run("--controller", "proportional", "--gain", "0", "--demand", "15,24 mm")
+    assert shown.exit_code == 0, shown.output
+    assert "not reached" in shown.output
+    assert "no answer" in shown.output
+    assert " 0 ms" not in shown.output
+
+
 def test_json_is_all_that_is_printed(run):
     done = run(*LOOP, "--json")
     report = json.loads(done.stdout)

@@ -288,6 +288,17 @@ def test_step_response_of_a_known_answer():
     assert step_responses(time, np.zeros_like(time), answer) == []
 
 
+def test_a_loop_that_does_nothing_or_breaks_down_does_not_settle():
+    time = np.arange(0.0, 2.0, 1e-3)
+    demand = np.where(time < 0.5, 0.0, 1.0)
+    for answer in (np.zeros_like(time), np.full_like(time, np.nan), np.where(time < 1, 0, 0.015)):
+        (step,) = step_responses(time, demand, answer)
+        assert math.isnan(step.settling_time)
+        assert math.isnan(step.overshoot)
+    lazy = steps(Proportional(gain=0.0), hold=0.1)
+    assert math.isnan(lazy.settling_time())
+
+
 def test_metrics_need_a_demand():
     run = simulate(time=TIME, command=0.0)
     with pytest.raises(InputError, match="no channel 'demand'"):

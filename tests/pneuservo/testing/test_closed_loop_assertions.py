@@ -90,6 +90,14 @@ def test_overshoot():
     assert_overshoot_below(answer(rate=100.0), 1e-12)
 
 
+def test_a_loop_that_does_nothing_passes_neither():
+    lazy = answer(rate=0.0)
+    with pytest.raises(AssertionError, match="has not settled"):
+        assert_settles_within(lazy, "1 s")
+    with pytest.raises(AssertionError, match="does not answer"):
+        assert_overshoot_below(lazy, "5 %")
+
+
 def test_steady_state_error_either_way():
     for error in (1e-4, -1e-4):
         run = answer(rate=100.0, error=error)
