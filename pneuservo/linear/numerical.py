@@ -22,6 +22,8 @@ _STATES = (places.DISPLACEMENT, places.VELOCITY, places.PRESSURE_A, places.PRESS
 _NAMES = ("displacement", "velocity", "pressure_a", "pressure_b")
 _STEPS = (1e-7, 1e-4, 10.0, 10.0)
 _VOLTAGE_STEP = 1e-4
+# In what accelerations are counted, also where the rod lies level [m/s2].
+_STANDARD_GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ def steady_motion(
         point = OperatingPoint(displacement, velocity, pressure_a, pressure_b, voltage)
         rate = _rates(rig, point, grid)
         # m/s2 over the acceleration of gravity, and supply pressures each second.
-        return np.array([rate[1] / rig["load.gravity"], rate[2] / supply, rate[3] / supply])
+        return np.array([rate[1] / _STANDARD_GRAVITY, rate[2] / supply, rate[3] / supply])
 
     start = np.array([0.03 / rig["valve.full_voltage"], 0.7, 0.85])
     found = root(imbalance, start, tol=1e-12)

@@ -51,6 +51,20 @@ def test_quiescent_pressures_are_those_of_slow_motion(rig):
         assert found.velocity == pytest.approx(velocity, rel=1e-6)
 
 
+def test_a_level_rod_moves_steadily_too(rig):
+    level = rig.with_values({"load.gravity": 0.0})
+    hanging, lying = (steady_motion(each, 0.015, 2.5) for each in (rig, level))
+
+    # The weight of 1.825 kg helps a rod that hangs down; pressures carry it, friction hardly moves.
+    def force(point):
+        area_a, area_b = rig["piston.area_a"], rig["piston.area_b"]
+        return point.pressure_a * area_a - point.pressure_b * area_b
+
+    weight = 9.81 * rig["load.mass"]
+    friction = rig["piston.viscous_friction"] * (lying.velocity - hanging.velocity)
+    assert force(lying) - force(hanging) == pytest.approx(weight + friction, rel=1e-6)
+
+
 def test_at_an_opening_the_flow_adds_damping(rig):
     # What (5.20) drops: the loss of flow as pressures change damps and stiffens.
     point = steady_motion(rig, 0.015, 2.5)
