@@ -83,8 +83,8 @@ def _cycle(loop: Loop, frequency: float) -> list[Cycle]:
     amplitude = _amplitude(loop, gain)
     if amplitude is None:
         return []
-    shift = amplitude * math.sin(0.5 * math.pi * loop.asymmetry)
     amplitude *= math.cos(0.5 * math.pi * loop.asymmetry)
+    shift = amplitude * math.sin(0.5 * math.pi * loop.asymmetry)
     stable = _dies_out_beyond(loop, gain)
     error = 0.0 - shift / loop.weights[0]
     return [Cycle(frequency, amplitude - shift, -amplitude - shift, stable, error)]

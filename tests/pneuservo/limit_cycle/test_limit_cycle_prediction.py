@@ -151,7 +151,10 @@ def test_asymmetry_shifts_the_piston_towards_the_stronger_direction():
         assert cycle.mean_error < 0.0
         assert cycle.asymmetry < 0.0
     # First harmonic against all of them: as far apart as the symmetric cycles are, squared.
-    assert approximate.mean_error == pytest.approx(exact.mean_error, rel=0.1)
+    assert approximate.mean_error == pytest.approx(exact.mean_error, rel=0.08)
+    # The swing that is shifted is the cycle's own, not that of a symmetric relay.
+    share = math.sin(0.5 * math.pi * 0.12) / loop.weights[0]
+    assert approximate.mean_error == pytest.approx(-share * approximate.amplitude, rel=1e-9)
     mirrored = exact_cycles(loop_of(PRINTED, asymmetry=-0.12))[0]
     assert mirrored.high == pytest.approx(-exact.low, rel=1e-6)
     assert mirrored.mean_error == pytest.approx(-exact.mean_error, rel=1e-6)
