@@ -19,12 +19,8 @@ from pneuservo.plant.single_axis import STATES_WITH_CARD, SingleAxis
 from pneuservo.rigs import plant_numbers
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import require_kind, require_samples, require_times
-from pneuservo.simulation.run import (
-    integration_step,
-    require_sound,
-    simulation_of,
-    with_card_at_rest,
-)
+from pneuservo.simulation.run import integration_step, simulation_of, with_card_at_rest
+from pneuservo.simulation.soundness import require_sound
 
 # Halving it changes no displacement of the built-in arm, stepping, by more than 2 um.
 LARGEST_STEP = 50e-6

@@ -17,7 +17,8 @@ from pneuservo.simulation.inputs import (
 )
 from pneuservo.simulation.readings import EXACT, Seed, draw_noise, within_range
 from pneuservo.simulation.result import Simulation
-from pneuservo.simulation.run import integration_step, require_finite
+from pneuservo.simulation.run import integration_step
+from pneuservo.simulation.soundness import require_finite
 
 
 def simulate_dead_volume(

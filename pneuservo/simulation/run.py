@@ -5,14 +5,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pneuservo.arrays import Array, Mask
+from pneuservo.arrays import Array
 from pneuservo.controllers import AnalogueCard, Controller, SampledController
 from pneuservo.errors import InputError
 from pneuservo.plant import single_axis as places
 from pneuservo.plant import single_run
 from pneuservo.plant.control_law import CARD_TAPS, OPEN_LOOP, ControlLaw
 from pneuservo.plant.exponential import step_limit
-from pneuservo.plant.outputs import OUTPUTS, PRESSURE_A_OUT, PRESSURE_B_OUT
+from pneuservo.plant.outputs import OUTPUTS
 from pneuservo.plant.single_axis import SingleAxis
 from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.behavioural_card import run_behaviour, stepped_card
@@ -29,6 +29,7 @@ from pneuservo.simulation.readings import (
 )
 from pneuservo.simulation.result import Simulation
 from pneuservo.simulation.sampled import simulate_sampled
+from pneuservo.simulation.soundness import require_finite, require_sound
 
 # Share of the shortest time constant of spool and card that a step may take.
 _STEP_PER_TIME_CONSTANT = 0.5
@@ -166,21 +167,6 @@ def _run_baseline(
     return outputs
 
 
-def require_sound(times: Array, outputs: Array) -> None:
-    """Refuse the outputs of a run whose state is not finite, or whose pressures not positive.
-
-    Parameters
-    ----------
-    times : (n,) array
-        [s].
-    outputs : (n, 10) array
-        By `pneuservo.plant.outputs.OUTPUTS`, in SI.
-    """
-    pressures = outputs[:, [PRESSURE_A_OUT, PRESSURE_B_OUT]]
-    states = outputs[:, : places.PLANT_STATES]
-    require_finite(times, np.all(np.isfinite(states), axis=1) & np.all(pressures > 0.0, axis=1))
-
-
 def integration_step(largest_step: float, spool_frequency: float, law: ControlLaw) -> float:
     """Return a step that spool and card allow [s].
 
@@ -216,34 +202,6 @@ def with_card_at_rest(state: Array, law: ControlLaw) -> Array:
     full[: places.PLANT_STATES] = state
     full[places.CARD_LAGGED_1] = law.sensitivity * state[places.DISPLACEMENT]
     return full
-
-
-class BrokenRunError(InputError):
-    """The state of a run is not finite, or a pressure not positive."""
-
-
-def require_finite(times: Array, finite: Mask) -> None:
-    """Refuse a run whose state is not finite, or a pressure not positive, at some time.
-
-    Parameters
-    ----------
-    times : (n,) array
-        [s].
-    finite : (n,) array of bool
-        Where all is well.
-
-    Raises
-    ------
-    BrokenRunError
-        When it is not well everywhere.
-    """
-    if not finite.all():
-        k = int(np.argmin(finite))
-        raise BrokenRunError(
-            f"the simulated state stops being finite, or a pressure positive, at t = {times[k]:g} "
-            "s: the parameters make the rig faster than the integration step; check them, or give "
-            "a smaller largest_step"
-        )
 
 
 def simulation_of(

@@ -16,6 +16,7 @@ from pneuservo.simulation.inputs import Driven
 from pneuservo.simulation.readings import EXACT, Seed, draw_noise, within_range
 from pneuservo.simulation.result import Simulation
 from pneuservo.simulation.sampled_loop import SampledLoop
+from pneuservo.simulation.soundness import require_sound
 
 # What happens at one time happens in this order: the inputs change, the controller samples, its
 # output follows, the result is written.
@@ -101,12 +102,7 @@ def _run(loop: SampledLoop, driven: Driven, period: float, delay: float) -> Arra
             loop.hold(voltage=wanted)
         else:
             result[k] = loop.advance(0.0)
-            if not np.isfinite(result[k, : OUTPUTS.index("surface")]).all():
-                raise InputError(
-                    f"the simulated state stops being finite at t = {driven.time[k]:g} s: the "
-                    "parameters make the rig faster than the integration step; check them, or "
-                    "give a smaller largest_step"
-                )
+            require_sound(driven.time[k : k + 1], result[k : k + 1])
     return result
 
 

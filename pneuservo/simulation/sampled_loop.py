@@ -16,6 +16,7 @@ from pneuservo.rigs import Rig, plant_numbers
 from pneuservo.simulation.initial_state import InitialState
 from pneuservo.simulation.inputs import Driven
 from pneuservo.simulation.readings import EXACT, Seed, within_range
+from pneuservo.simulation.soundness import require_sound
 
 # Of the accelerometer [m/s^2], equation (9.2) of the thesis, and of the pressure transducers
 # above the ambient pressure [Pa], its table 3.8.
@@ -138,11 +139,16 @@ class SampledLoop:
 
         Raises
         ------
+        BrokenRunError
+            When the plant's state is not finite, or a pressure not positive.
         InputError
             When the controller gives no finite voltage.
         """
         board = self._controller.board
-        values = dict(zip(OUTPUTS, self.advance(0.0), strict=True))
+        outputs = self.advance(0.0)
+        # A controller would answer a broken state with a voltage that is not finite either.
+        require_sound(np.array([time]), outputs[np.newaxis])
+        values = dict(zip(OUTPUTS, outputs, strict=True))
         readings = {}
         for name, (low, high) in self._ranges.items():
             reading = self._transducer(name, float(values[name]))

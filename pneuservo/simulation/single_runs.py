@@ -10,7 +10,8 @@ from pneuservo.arrays import Array
 from pneuservo.controllers import Controller
 from pneuservo.rigs import Rig
 from pneuservo.simulation.initial_state import InitialState
-from pneuservo.simulation.run import BrokenRunError, simulate
+from pneuservo.simulation.run import simulate
+from pneuservo.simulation.soundness import BrokenRunError
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,18 @@ import pytest
 from analog_card.behaviour import Imperfections
 from analog_card.design_file import load_design
 from analog_card.figures import card_figures
-from pneuservo.controllers import AnalogueCard, Proportional, SlidingMode, card_of
+from pneuservo.controllers import (
+    AnalogueCard,
+    DigitalSlidingMode,
+    Proportional,
+    SlidingMode,
+    card_of,
+)
 from pneuservo.errors import InputError
 from pneuservo.rigs import load_rig
 from pneuservo.simulation import InitialState, simulate, simulate_batch, simulate_gradient
 from pneuservo.simulation.gradient import RELATIVE_STEP
+from pneuservo.simulation.soundness import BrokenRunError
 
 RIG = load_rig("single-axis")
 CARD = AnalogueCard(card_figures(load_design()))
@@ -99,6 +106,18 @@ def test_what_does_not_fit_into_lanes_is_run_by_run():
     found = simulate_batch(rig, broken, time=TIME, command=3.0, initial=start)["displacement"]
     assert np.isfinite(found[0]).all()
     assert np.isnan(found[1]).all()
+
+
+def test_a_sampled_run_that_breaks_down_leaves_the_others_alone():
+    values = {"chamber.a.dead_volume": [1.7e-6, 1e-13]}
+    start = InitialState(0.0, pressure_a=5e5, pressure_b=5e5)
+    controller = DigitalSlidingMode(sampling_time=1e-3)
+    options = {"time": TIME, "controller": controller, "demand": 0.01, "initial": start}
+    found = simulate_batch(RIG, values, **options)["displacement"]
+    assert np.isfinite(found[0]).all()
+    assert np.isnan(found[1]).all()
+    with pytest.raises(BrokenRunError, match="or a pressure positive"):
+        simulate(RIG.with_values({"chamber.a.dead_volume": 1e-13}), **options)
 
 
 def test_controllers_may_differ_from_run_to_run():
