@@ -22,6 +22,9 @@ from pneuservo.simulation.soundness import require_sound
 # above the ambient pressure [Pa], its table 3.8.
 ACCELERATION_RANGE = 322.57
 PRESSURE_RANGE = 20.7e5
+# Up to which the noise of a transducer before differentiators is stated [Hz]: that of a value held
+# for the plant's usual step, 20 us.
+NOISE_BANDWIDTH = 25e3
 # Steps of the plant to the shortest time constant of the differentiators.
 _STEPS_PER_LAG = 2.0
 # Streams of the seed, apart from those of the noise that is recorded.
@@ -105,7 +108,9 @@ class SampledLoop:
         noise = np.zeros(0)
         if self._controller.differentiators is not None and duration > 0.0:
             noise = self._transducer_noise.standard_normal(steps)
-            noise *= self._controller.transducer_noise
+            # Even up to its bandwidth, however short the steps that draw it are.
+            held = NOISE_BANDWIDTH * 2.0 * duration / steps
+            noise *= self._controller.transducer_noise / math.sqrt(held)
         found = hold_voltage(
             self._state,
             self._modes,
