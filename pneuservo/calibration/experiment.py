@@ -15,6 +15,7 @@ from pneuservo.simulation import simulate_dead_volume
 # charging times that section 4.3.1 states: below 1 s at full and about 3 min at 2 % opening.
 CONDITIONS: Mapping[str, float] = {"supply_pressure": 7.7e5, "dead_volume_volume": 120e-6}
 COMMANDS: tuple[float, ...] = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 2.0, 3.0, 4.0, 5.0)
+_BUILT_IN = "dead-volume"
 _SAMPLES = 3000
 _STEPS_PER_SAMPLE = 16
 _SETTLED = 5e-3
@@ -25,7 +26,7 @@ def simulate_transient(
     path: str,
     command: float,
     *,
-    rig: Rig | str = "dead-volume",
+    rig: Rig | str = _BUILT_IN,
     noise_rms: float = 300.0,
     seed: int | Sequence[int] = 0,
     samples: int = _SAMPLES,
@@ -39,8 +40,8 @@ def simulate_transient(
     command : float
         Magnitude of the command [V].
     rig : Rig or str, optional
-        Of kind ``dead-volume``; the built-in one is given the conditions of the experiment,
-        `CONDITIONS`.
+        Of kind ``dead-volume``, or its name or file; the built-in one by its name is given the
+        conditions of the experiment, `CONDITIONS`.
     noise_rms : float, optional
         Of the pressure transducer [Pa].
     seed : int or sequence of int, optional
@@ -72,7 +73,8 @@ def simulate_transient(
         raise InputError(f"flow path {path!r} is not known; there are: {', '.join(FLOW_PATHS)}")
     conditions: dict[str, float] = {}
     if not isinstance(rig, Rig):
-        conditions = dict(CONDITIONS)
+        # A rig of one's own has its own supply and volume.
+        conditions = dict(CONDITIONS) if rig == _BUILT_IN else {}
         rig = load_rig(rig).with_conditions(conditions)
     voltage = command if path in ("s_a", "b_e") else -command
     port = "a" if path in ("s_a", "a_e") else "b"

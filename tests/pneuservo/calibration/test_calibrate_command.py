@@ -37,6 +37,25 @@ def answer(folder):
     return json.loads(done.stdout)
 
 
+def test_a_rig_of_ones_own_is_simulated_with_its_own_supply_and_volume(tmp_path):
+    own = tmp_path / "mine.toml"
+    own.write_text(
+        '[rig]\nkind = "dead-volume"\n[parameters]\n'
+        '"supply.pressure" = "6.5 bar"\n"dead-volume.volume" = "60 cm**3"\n'
+    )
+    mine, built_in = (
+        simulate_transient("s_a", 5.0, rig=rig, noise_rms=0.0) for rig in (str(own), "dead-volume")
+    )
+    assert mine["dead_volume_pressure"][-1] == pytest.approx(6.5e5, rel=1e-3)
+    assert mine.conditions == {}
+    # Choked at first: the rise goes with the supply over the volume.
+    slopes = [
+        (run["dead_volume_pressure"][1] - run["dead_volume_pressure"][0]) / run.time[1]
+        for run in (mine, built_in)
+    ]
+    assert slopes[0] / slopes[1] == pytest.approx(120 / 60 * 6.5 / 7.7, rel=0.02)
+
+
 def test_it_prints_one_document_with_intervals(folder, answer):
     rows = {row["path"]: row for row in answer["rows"]}
     assert set(rows) == {"s_a", "a_e"}
