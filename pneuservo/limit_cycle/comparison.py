@@ -20,7 +20,7 @@ LINEAR, NONLINEAR = "linear_simulation", "nonlinear_simulation"
 # How long a loop is followed at least and at most; the second half is looked at [s].
 _SHORTEST, _LONGEST = 0.8, 20.0
 # After so many settling times of the surface the mean error has come to rest [-].
-_SETTLING_TIMES = 3.0
+_SETTLING_TIMES = 2.5
 # How many periods of the predicted cycle a loop is followed at least, of which half are looked at.
 _PERIODS = 20
 # The thesis' step, 9 mm, as a share of the stroke [-].
@@ -219,7 +219,7 @@ def followed(loop: Loop, start_error: float) -> float:
     Notes
     -----
     The first half is enough for the way to the surface at the servo's full speed, b0 U/a1, and for
-    three settling times along it. At most 20 s.
+    two and a half settling times along it. At most 20 s.
 
     Examples
     --------
