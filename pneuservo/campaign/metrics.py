@@ -55,10 +55,11 @@ def metrics_of(run: Simulation, names: Sequence[str]) -> dict[str, float | None]
     Notes
     -----
     Rise time, settling time and overshoot are the largest over all steps, the steady-state error
-    the one largest in magnitude. The limit cycle is that of the last hold; its stroke is how far
-    the displacement swings. Errors are demand less displacement, over the whole run. Chatter is
-    the largest swing of the valve voltage at the end of a hold, peak to peak without its creep;
-    control effort its root mean square over the whole run.
+    the one largest in magnitude. Of the limit cycles in the second halves of the holds it is the
+    one with the largest stroke, which is how far the displacement swings. Errors are demand less
+    displacement, over the whole run. Chatter is the largest swing of the valve voltage at the end
+    of a hold, peak to peak without its creep; control effort its root mean square over the whole
+    run.
 
     Examples
     --------
