@@ -61,6 +61,8 @@ def to_si(value: str | float, unit: str, what: str = "value") -> float:
     5.0
     >>> to_si(5, "V")
     5.0
+    >>> to_si("20 degC", "K"), to_si("8 uV/degC", "V/K")
+    (293.15, 8e-06)
     >>> to_si("6.82 bar", "kg", "load_mass")
     Traceback (most recent call last):
     analog_card.errors.InputError: load_mass: '6.82 bar' has the unit of a pressure, ...
@@ -207,7 +209,7 @@ def _convert(value: str | float, unit: str, what: str) -> float:
         )
     try:
         # Parsed as number and unit, never evaluated as an expression with functions.
-        quantity = registry.Quantity(_TYPED_POWER.sub(r"\1**\2", value.strip()))
+        quantity = _quantity(_TYPED_POWER.sub(r"\1**\2", value.strip()))
     except Exception as problem:
         raise InputError(
             f"{what}: {value!r} cannot be read as a number with a unit{_example(unit)}"
@@ -226,6 +228,15 @@ def _convert(value: str | float, unit: str, what: str) -> float:
             f"{what}: {value!r} has the unit of {_dimension(quantity)}, "
             f"{wanted} is needed{_example(unit)}"
         ) from problem
+
+
+def _quantity(text: str) -> Any:
+    number = re.match(_NUMBER, text)
+    assert number is not None
+    unit = text[number.end() :].strip()
+    # Per degree Celsius means per kelvin; only a unit that is a degree alone is a temperature.
+    units = _registry().parse_units(f"1{unit}" if unit.startswith("/") else unit, as_delta=True)
+    return _registry().Quantity(float(number.group()), units)
 
 
 _DIMENSIONS = {

@@ -34,6 +34,20 @@ def test_one_number_with_a_unit_is_read(text, unit, value):
     assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("50 ppm/degC", "1/K", 50e-6),
+        ("1e-4/degC", "1/K", 1e-4),
+        ("8 uV/°C", "V/K", 8e-6),
+        ("-2 mV/degF", "V/K", -3.6e-3),
+        ("2 J/(kg degC)", "J/kg/K", 2.0),
+    ],
+)
+def test_per_degree_is_of_a_difference_of_temperatures(text, unit, value):
+    assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
+
+
 @pytest.mark.parametrize("text", ["628 rad/s", "3000 rpm", "2 cycle/s", "5 deg/s"])
 def test_an_angular_frequency_is_no_frequency(text):
     with pytest.raises(InputError, match="is an angular frequency; divide it by 2 pi"):
@@ -68,8 +82,11 @@ def test_a_unit_has_no_number(unit, what):
 
 
 def test_not_a_number_is_no_unit():
-    with pytest.raises(InputError, match="is not a unit"):
+    with pytest.raises(InputError, match="nan' cannot be read as a number with a unit"):
         unit_factor("nan", "")
+    # So small that nothing is left of it: 1e-540.
+    with pytest.raises(InputError, match="is not a unit"):
+        unit_factor("qm**9*qm**9", "m**18")
 
 
 @pytest.mark.parametrize("digits", [17, 5000])
