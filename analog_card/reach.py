@@ -102,7 +102,9 @@ def limits(design: Design, wanted: dict[str, float]) -> tuple[Limit, ...]:
     c1, c2 = largest_weights(design)
     damping = wanted["c2"] / (2 * math.sqrt(wanted["c1"])) if wanted["c1"] > 0 else math.inf
     settling = 8 / wanted["c2"] if wanted["c2"] > 0 else math.inf
-    shortest = max(8 / c2, 4 / (min(damping, 1.0) * math.sqrt(c1)))
+    slowest = min(damping, 1.0) * math.sqrt(c1)
+    # Without damping no settling time is reached; with P2 at zero there is none.
+    shortest = max(8 / c2, 4 / slowest if slowest > 0 else math.inf)
     narrowest, widest = (boundary_layer_at(travel, design) for travel in (1.0, 0.0))
     per_velocity = figures.transducer_gain * figures.rc_velocity
     per_acceleration = per_velocity * figures.rc_acceleration

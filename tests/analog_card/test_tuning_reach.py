@@ -50,6 +50,15 @@ def test_a_card_turned_to_nothing_has_no_settling_time():
     json.dumps(found, allow_nan=False)
 
 
+def test_a_card_without_damping_reaches_no_settling_time():
+    design = load_design()
+    turned = replace(design.turned, velocity_weight=0.0)
+    found = read_settings(replace(design, turned=turned))
+    assert (found.settling_time, found.damping) == (math.inf, 0.0)
+    assert limit(found, "settling time").lowest == math.inf
+    json.dumps(found.to_dict(), allow_nan=False)
+
+
 def test_the_transducer_scale_moves_what_depends_on_it():
     # Surface volts for each m/s2 grow with the scale, so that the same layer takes half the gain;
     # the weights are ratios of states and stay.
