@@ -8,6 +8,7 @@ import click
 from analog_card.command_line.options import DESIGN, JSON, examples, table
 from analog_card.design_file import load_design
 from analog_card.opamp_bench import Figure, measure_opamp
+from analog_card.plain_json import plain_json
 from analog_card.quantities import as_text
 
 
@@ -27,7 +28,7 @@ def command(context: click.Context, design_file: str | None, as_json: bool) -> N
             {**asdict(figure), "deviation_per_cent": figure.deviation, "passed": figure.passed}
             for figure in figures
         ]
-        click.echo(json.dumps({"passed": passed, "figures": rows}, indent=2))
+        click.echo(json.dumps(plain_json({"passed": passed, "figures": rows}), indent=2))
     else:
         _print(figures)
     if not passed:
@@ -38,7 +39,7 @@ def _print(figures: tuple[Figure, ...]) -> None:
     from rich.console import Console
 
     rows = table("CA3140: data sheet and netlist", "figure", "", "data sheet", "measured", "off")
-    reasons = [figure for figure in figures if figure.why and not figure.within]
+    reasons = [figure for figure in figures if figure.passed and not figure.within]
     for figure in figures:
         note = f"[{reasons.index(figure) + 1}]" if figure in reasons else ""
         rows.add_row(
