@@ -1,9 +1,10 @@
 """From the behaviour wanted to the settings of the four potentiometers, and back."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 
-from analog_card.design import Design, Turned
+from analog_card.design import Design
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.figures import CardFigures, card_figures
@@ -172,20 +173,67 @@ def tune(
     >>> [round(item.fraction, 3) for item in tuning.potentiometers]
     [0.482, 0.727, 0.151, 0.725]
     """
-    _require_possible(settling_time, damping, boundary_layer, level)
     design = with_transducer_gain(design or load_design(), transducer_gain)
+    turned = retune(
+        design,
+        settling_time=settling_time,
+        damping=damping,
+        boundary_layer=boundary_layer,
+        level=level,
+    )
     weights = SurfaceWeights(*state_weights(settling_time, damping), 1.0, boundary_layer, level)
-    turned = Turned(
-        displacement_weight=displacement_setting(weights.displacement, design),
-        velocity_weight=velocity_setting(weights.velocity, design),
-        boundary_layer=boundary_layer_setting(boundary_layer, design),
-        level=level_setting(level, design),
+    return Tuning(settling_time, damping, weights, turned)
+
+
+def retune(design: Design, **goals: float) -> Design:
+    """Turn a card to some goals; the potentiometers of the others stay where they stand.
+
+    Parameters
+    ----------
+    design : Design
+        A card with its settings.
+    **goals : float
+        Any of ``settling_time``, ``damping``, ``boundary_layer`` and ``level``, as `tune` takes
+        them. Of settling time and damping the one that is left out is that of the card.
+
+    Returns
+    -------
+    Design
+        The card with the settings found.
+
+    Raises
+    ------
+    InputError
+        As `tune`.
+
+    Examples
+    --------
+    >>> turned = retune(load_design(), level=4.0).turned
+    >>> round(turned.level, 3), turned.boundary_layer == load_design().turned.boundary_layer
+    (0.58, True)
+    """
+    if {"settling_time", "damping"} & goals.keys():
+        now = read_settings(design)
+        # Rounding of the settings must not make a damping of 1 a larger one, which is none.
+        damping = 1.0 if math.isclose(now.damping, 1.0, rel_tol=1e-6) else now.damping
+        goals = {"settling_time": now.settling_time, "damping": damping, **goals}
+    _require_possible(goals)
+    settings = {}
+    if "damping" in goals:
+        displacement, velocity = state_weights(goals["settling_time"], goals["damping"])
+        settings["displacement_weight"] = displacement_setting(displacement, design)
+        settings["velocity_weight"] = velocity_setting(velocity, design)
+    if "boundary_layer" in goals:
+        settings["boundary_layer"] = boundary_layer_setting(goals["boundary_layer"], design)
+    if "level" in goals:
+        settings["level"] = level_setting(goals["level"], design)
+    asked = ", ".join(f"{_in_words(name)} {_WRITTEN[name](goals[name])}" for name in goals)
+    sources = dict.fromkeys((f"turned.{name}" for name in settings), f"tuned for {asked}")
+    return replace(
+        design,
+        turned=replace(design.turned, **settings),
+        sources={**design.sources, **sources},
     )
-    asked = (
-        f"tuned for settling time {as_text(settling_time, 's', 6)}, damping {damping:g}, "
-        f"boundary layer {boundary_layer:g} m/s2, level {as_text(level, 'V', 6)}"
-    )
-    return Tuning(settling_time, damping, weights, _turned(design, turned, asked))
 
 
 def read_settings(design: Design) -> Tuning:
@@ -244,24 +292,25 @@ def with_transducer_gain(design: Design, gain: float | None) -> Design:
     return replace(design, transducer=replace(design.transducer, full_scale_voltage=voltage))
 
 
-def _turned(design: Design, turned: Turned, source: str) -> Design:
-    sources = dict.fromkeys((f"turned.{name}" for name in vars(turned)), source)
-    return replace(design, turned=turned, sources={**design.sources, **sources})
+_WRITTEN: dict[str, Callable[[float], str]] = {
+    "settling_time": lambda value: as_text(value, "s", 6),
+    "damping": lambda value: f"{value:g}",
+    "boundary_layer": lambda value: f"{value:g} m/s2",
+    "level": lambda value: as_text(value, "V", 6),
+}
+"""How each goal is written."""
 
 
-def _require_possible(
-    settling_time: float, damping: float, boundary_layer: float, level: float
-) -> None:
-    for name, value, unit in (
-        ("settling time", settling_time, " s"),
-        ("damping", damping, ""),
-        ("boundary layer", boundary_layer, " m/s2"),
-        ("level", level, " V"),
-    ):
+def _in_words(goal: str) -> str:
+    return goal.replace("_", " ")
+
+
+def _require_possible(goals: Mapping[str, float]) -> None:
+    for name, value in goals.items():
         if not (math.isfinite(value) and value > 0):
-            raise InputError(f"{name}: {value:g}{unit} is not greater than 0")
-    if damping > 1:
+            raise InputError(f"{_in_words(name)}: {_WRITTEN[name](value)} is not greater than 0")
+    if goals.get("damping", 1.0) > 1:
         raise InputError(
-            f"damping: {damping:g} is above 1, where 4/(damping wn) is no settling time any more; "
-            "use 1 and a longer settling time"
+            f"damping: {goals['damping']:g} is above 1, where 4/(damping wn) is no settling time "
+            "any more; use 1 and a longer settling time"
         )

@@ -9,7 +9,7 @@ import numpy as np
 from analog_card.behaviour import Imperfections
 from analog_card.design import Design
 from analog_card.design_file import load_design
-from analog_card.tuning import tune
+from analog_card.tuning import retune
 from pneuservo.controllers import CONTROLLERS, AnalogueCard, Controller, SampledController, card_of
 from pneuservo.errors import InputError
 from pneuservo.naming import nearest
@@ -192,7 +192,6 @@ def _card(given: Mapping[str, Any]) -> LoopController:
     relay = wanted.get("boundary_layer") == 0.0
     if relay:
         del wanted["boundary_layer"]
-    if wanted or relay:
-        design = tune(**{"settling_time": 0.07, **wanted, "design": design}).design
+    design = retune(design, **wanted)
     imperfections = Imperfections.none() if card == FIGURES else Imperfections().without(*without)
     return LoopController(card_of(design, imperfections, relay=relay), card, design, relay)

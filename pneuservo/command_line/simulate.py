@@ -84,7 +84,11 @@ Examples:
     type=Quantity(UNITS["reaching_share"]),
     help="Of the switching function, taken away in each sample.  [default: 0.2]",
 )
-@click.option("--design", metavar="FILE", help="Design of the card; turned as it says, or tuned.")
+@click.option(
+    "--design",
+    metavar="FILE",
+    help="Design of the card; where nothing is asked for it stays turned as it says.",
+)
 @click.option(
     "--card",
     type=click.Choice(CARDS),

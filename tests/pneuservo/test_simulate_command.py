@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from analog_card.design_file import design_to_toml
+from analog_card.tuning import tune
 from pneuservo.command_line import main
 from pneuservo.recordings import Recording, read_recording, write_recording
 from pneuservo.simulation import simulate, simulate_dead_volume
@@ -138,6 +140,29 @@ def test_the_card_comes_from_its_design(run):
     relay = json.loads(run(*loop, "--boundary-layer", "0").stdout)["controller"]["figures"]
     assert relay["output_gain"] is None  # infinite
     assert relay["level"] == pytest.approx(5.0)
+
+
+def test_what_is_not_asked_for_stays_as_the_design_is_turned(run, tmp_path):
+    design = tune(0.12, damping=0.8, boundary_layer=9.0, level=4.0).design
+    (tmp_path / "card.toml").write_text(design_to_toml(design))
+
+    def figures(*asked):
+        done = run(*CARD, "--design", "card.toml", *asked, "--json")
+        return json.loads(done.stdout)["controller"]["figures"]
+
+    turned = figures()
+    # A relay only opens the feedback of the boundary-layer amplifier.
+    assert figures("--boundary-layer", "0") == {**turned, "output_gain": None}
+    # P4 takes the same share of the gain and of the level.
+    lower = figures("--level", "2")
+    for name in ("output_gain", "level"):
+        assert lower.pop(name) == pytest.approx(0.5 * turned[name])
+    assert lower == {name: turned[name] for name in lower}
+    # Of settling time and damping the other one is the card's: c1 goes as 1/(time damping)^2.
+    damped = figures("--damping", "1")
+    weights = [each["weight_displacement"] for each in (turned, damped)]
+    assert weights[1] == pytest.approx(0.8**2 * weights[0])
+    assert damped["weight_velocity"] == pytest.approx(turned["weight_velocity"])
 
 
 def test_the_card_by_its_behaviour(run):
