@@ -8,6 +8,7 @@ import numpy as np
 from analog_card.behaviour_amplifiers import StageAmplifier, channel_amplifiers
 from analog_card.behaviour_elements import (
     DIFFERENTIATORS,
+    LINK_OPEN,
     Elements,
     differentiator_parts,
     nominal_elements,
@@ -159,7 +160,10 @@ def card_stages(card: CardBehaviour) -> Stages:
     31.62
     """
     design, with_ = card.design, card.imperfections
-    elements = {**nominal_elements(design, card.relay), **card.elements}
+    elements = {**nominal_elements(design), **card.elements}
+    if card.relay:
+        # Elements of a whole card have a link of their own, closed.
+        elements["xboundary.rlink"] = LINK_OPEN
     amplifiers = channel_amplifiers(elements, design, with_)
     contacts = _contacts(design, with_)
     rejection = design.soldered.operational_amplifier.common_mode_rejection

@@ -120,11 +120,13 @@ def simulate_circuit_loop(
         name: rig[key] for name, key in rig.conditions.items()
     }
     parameters |= _start(rig, wanted[0], initial or InitialState())
+    parts = dict(elements or {})
     if relay:
-        parameters["boundary_layer_link"] = LINK_OPEN
+        # Elements of a whole card have a link of their own, closed.
+        parts["xboundary.rlink"] = LINK_OPEN
     netlist = _with_demand(read_netlist(CLOSED_LOOP), times - times[0], wanted, sensitivity(rig))
     nodes = sorted({node for node, _ in _NODES.values()})
-    changed = netlist_elements(elements or {}, design.soldered.operational_amplifier)
+    changed = netlist_elements(parts, design.soldered.operational_amplifier)
     with Session(netlist, parameters, nodes, time_limit) as session:
         session.change({f"xcard.{name}": value for name, value in changed.items()})
         waves = session.run(Transient(float(times[-1] - times[0]), longest_step))

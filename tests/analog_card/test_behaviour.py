@@ -114,6 +114,17 @@ def test_relay_delay_is_that_of_an_integrator(design):
     assert TIME[reached] - TIME[cross] == pytest.approx(expected, abs=4e-6)
 
 
+def test_the_elements_of_a_whole_card_do_not_close_the_link_of_a_relay(design):
+    whole = nominal_elements(design)
+    relay, other = (
+        card_stages(CardBehaviour(design, elements=elements, relay=True))
+        for elements in ({}, whole)
+    )
+    assert other.comparator_gain == relay.comparator_gain
+    # 10 Mohm over 620 ohm, of an open-loop gain of 1e5.
+    assert relay.comparator_gain > 1e4
+
+
 def test_offsets_have_the_noise_gains_of_their_stages(design):
     off = dict.fromkeys((n for n in nominal_elements(design) if n.endswith("voffset")), 0.0)
 

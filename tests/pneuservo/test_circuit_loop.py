@@ -9,7 +9,7 @@ import pytest
 
 import netlists
 from analog_card.behaviour import Imperfections
-from analog_card.behaviour_elements import offset_name
+from analog_card.behaviour_elements import nominal_elements, offset_name
 from analog_card.design import AMPLIFIERS
 from analog_card.design_file import load_design
 from analog_card.netlist_text import read_netlist, spice_number
@@ -133,6 +133,18 @@ def test_the_limit_cycle_of_the_relay_agrees_with_the_behavioural_loop():
         initial=start,
     ).limit_cycle(0.35)
     assert 0.95 < measured.frequency / ideal.frequency < 0.98
+
+
+def test_the_elements_of_a_whole_card_do_not_close_the_link_of_a_relay():
+    run = simulate_circuit_loop(
+        time=[0.0, 1e-3],
+        demand=0.0152,
+        relay=True,
+        elements=nominal_elements(load_design()),
+        initial=InitialState(0.015),
+    )
+    # c1 times 0.2 mm is 0.65 m/s2, of a layer of 5 m/s2 only 0.65 V and offsets; a relay gives all.
+    assert run["valve_voltage"][0] == pytest.approx(5.0, rel=0.02)
 
 
 def test_what_the_circuit_cannot_have_is_refused():
