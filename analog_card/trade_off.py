@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 BREAK_FREQUENCIES = tuple(float(f) for f in np.geomspace(1e3, 10e3, 11).round(-1))
 # Of the transducer: 0.1 mV is where the recommended card begins to suffer, wideband.
 TRANSDUCER_NOISE, TRANSDUCER_BAND = 0.1e-3, 10e3
-# Largest transducer movement and converter of the thesis' rig, (9.1).
-_STROKE = 30e-3
 
 
 @dataclass(frozen=True)
@@ -181,11 +179,11 @@ def trade_off(
         step(f"break frequency {frequency:g} Hz")
         changed = with_break_frequency(design, frequency)
         points.append(_point(changed, servo, transducer_noise, transducer_band))
-    level = card_figures(design).level
+    level, stroke = card_figures(design).level, design.transducer.full_scale_displacement
     return TradeOff(
         points=tuple(points),
         nominal=_point(design, servo, transducer_noise, transducer_band),
-        detectable_frequency=detectable_frequency(servo, level, converter_step(_STROKE)),
+        detectable_frequency=detectable_frequency(servo, level, converter_step(stroke)),
         transducer_noise=transducer_noise,
         transducer_band=transducer_band,
     )

@@ -15,6 +15,7 @@ from analog_card.tolerance_figures import behaviour_figures
 from analog_card.tolerance_study import Study, require_limits, study_of
 from analog_card.tolerance_trials import fingerprint, run_trials
 from pneuservo.controllers import card_of
+from pneuservo.controllers.requirements import sensitivity
 from pneuservo.rigs import Rig, load_rig, plant_numbers
 from pneuservo.simulation import simulate
 from pneuservo.simulation.metrics import limit_cycle
@@ -65,7 +66,8 @@ def closed_loop_figures(
     """
     time = np.arange(round(_DURATION * _RATE) + 1) / _RATE
     demand = np.where(time < 0.5 / _RATE, _FROM, _TO) * rig["piston.stroke"]
-    scale = card_figures(design).surface_scale
+    # The taps are volts of the rig's transducer, whatever the design has.
+    scale = card_figures(design).surface_scale * sensitivity(rig) / design.transducer.gain
     # Each run has its own link in the feedback of the boundary-layer amplifier.
     parts = {name: value for name, value in elements.items() if name != "xboundary.rlink"}
     late = time >= _DURATION - _COUNTED

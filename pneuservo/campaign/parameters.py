@@ -11,8 +11,8 @@ from pneuservo.loop_controller import BEHAVIOUR, CIRCUIT, TAKEN, UNITS
 from pneuservo.rigs import Rig
 
 CONTROLLER, ELEMENT = "controller.", "element."
-# What of a design is varied by its name in the design file.
-_SECTIONS = ("transducer", "soldered", "turned")
+# What of a design is varied by its name in the design file; the transducer is the rig's.
+_SECTIONS = ("soldered", "turned")
 
 
 @dataclass(frozen=True)

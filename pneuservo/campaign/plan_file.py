@@ -15,6 +15,7 @@ from pneuservo.campaign.metrics import METRICS, OF_RECORDED, OF_SET_POINTS
 from pneuservo.campaign.parameters import variable_parameters
 from pneuservo.campaign.plan import Campaign
 from pneuservo.controllers import AnalogueCard
+from pneuservo.controllers.requirements import other_transducer
 from pneuservo.errors import InputError
 from pneuservo.loop_controller import CARDS, loop_controller
 from pneuservo.naming import require_known
@@ -122,6 +123,8 @@ def campaign_of(
     controller = settings["controller"]
     options = _options(settings, controller)
     loop = loop_controller(controller, options)
+    if loop.design is not None and (problem := other_transducer(loop.design, rig)):
+        warn(problem)
     known = variable_parameters(rig, controller, loop.design, loop.card)
     axes = []
     for name, given in _flat(settings.get("vary", {}), where).items():

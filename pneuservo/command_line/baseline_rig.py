@@ -1,4 +1,4 @@
-"""The rig of a command that reckons with the baseline's laws alone."""
+"""The rig of a command, and warnings of what it is not: what is left out, what does not fit."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from analog_card.console import warn
 
 if TYPE_CHECKING:
+    from analog_card.design import Design
     from pneuservo.rigs import Rig
 
 
@@ -63,3 +64,19 @@ def warn_left_out(name: str, effects: Iterable[str]) -> None:
         f"rig {name}: {', '.join(sorted(effects))} is left out here; see what it changes with "
         "pneuservo simulate or campaign and a continuous controller"
     )
+
+
+def warn_of_transducer(design: "Design | None", rig: "Rig") -> None:
+    """Say on standard error when a card was designed for another transducer than a rig has.
+
+    Parameters
+    ----------
+    design : Design or None
+        Of the card; None where there is no card.
+    rig : Rig
+        Of kind single-axis.
+    """
+    from pneuservo.controllers.requirements import other_transducer
+
+    if design is not None and (problem := other_transducer(design, rig)):
+        warn(problem)

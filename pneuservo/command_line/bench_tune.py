@@ -14,7 +14,7 @@ from analog_card.files import write_whole
 from analog_card.plain_json import plain_json
 from analog_card.tuning import read_settings
 from pneuservo.bench_tuning import BenchTuning, bench_tune
-from pneuservo.command_line.baseline_rig import baseline_rig
+from pneuservo.command_line.baseline_rig import baseline_rig, warn_of_transducer
 from pneuservo.command_line.recording_files import read, require_unread
 from pneuservo.controllers import SlidingMode
 from pneuservo.errors import InputError
@@ -76,6 +76,7 @@ def command(
             time = np.arange(0.0, _BEFORE + _HOLD, 1.0 / _RATE)
             demand = np.where(time < _BEFORE, _REST, _STEP)
             used = baseline_rig(rig or "single-axis")
+            warn_of_transducer(card, used)
             found = bench_tune(card, ideal, time, demand, rig=used, step=step)
         else:
             found = _from_recording(source, card, ideal, rig, step)
@@ -98,6 +99,7 @@ def _from_recording(
                 f"{', '.join(source.channels)}"
             )
     used = baseline_rig(rig or source.rig).with_conditions(source.conditions)
+    warn_of_transducer(card, used)
     start = initial_state(source, used, warn)
     return bench_tune(
         card,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analog_card.console import Quantity, progress, warn, writing
+from pneuservo.command_line.baseline_rig import warn_of_transducer
 from pneuservo.command_line.unused_options import refuse_unused
 
 if TYPE_CHECKING:
@@ -124,7 +125,10 @@ def command(
         with writing("--out", out):
             _require_files(figure, Path(out))
     given = {key: value for key, value in shape.items() if value is not None}
-    controlled = loop_controller(controller, given).controller
+    loop = loop_controller(controller, given)
+    controlled = loop.controller
+    for moved_axis in figure.axes.values():
+        warn_of_transducer(loop.design, moved_axis.rig)
     time = sampled_time(duration, rate)
     if motion == "wave":
         chosen = _names(moved) if moved is not None else None

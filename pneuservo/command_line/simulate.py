@@ -13,7 +13,7 @@ import numpy as np
 from analog_card.behaviour import Imperfections
 from analog_card.console import Count, Quantity, warn, writing
 from analog_card.plain_json import plain_json
-from pneuservo.command_line.baseline_rig import without_effects
+from pneuservo.command_line.baseline_rig import warn_of_transducer, without_effects
 from pneuservo.command_line.recording_files import read
 from pneuservo.command_line.unused_options import refuse_unused
 from pneuservo.controllers import CONTROLLERS, controller_settings
@@ -214,8 +214,9 @@ def _closed_loop(
 
 
 def _rig_of_loop(loop: LoopController, name: str) -> Rig:
-    """Return a rig as a controller can drive it."""
+    """Return a rig as a controller can drive it, and warn of a card made for another."""
     rig = require_kind(name, "single-axis", effects=True)
+    warn_of_transducer(loop.design, rig)
     return without_effects(rig, name) if loop.drives_baseline_only else rig
 
 

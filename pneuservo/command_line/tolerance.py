@@ -9,6 +9,7 @@ from analog_card.command_line.tolerance import REPORT, parsed_limits, report, st
 from analog_card.command_line.tolerance_options import with_tolerances
 from analog_card.console import Count, progress
 from analog_card.design_file import load_design
+from pneuservo.command_line.baseline_rig import warn_of_transducer
 from pneuservo.rigs import load_rig
 from pneuservo.tolerance import ALL_FIGURES, study_loop
 
@@ -44,10 +45,12 @@ def command(
     """
     if out is not None:
         keep_design(design_file, Path(out) / REPORT)
+    design, plant = with_tolerances(load_design(design_file), tolerances), load_rig(rig)
+    warn_of_transducer(design, plant)
     with progress() as step:
         study = study_loop(
-            with_tolerances(load_design(design_file), tolerances),
-            load_rig(rig),
+            design,
+            plant,
             trials,
             seed,
             parsed_limits(limit, ALL_FIGURES),

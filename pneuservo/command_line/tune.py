@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analog_card.console import Count, Quantity, progress
-from pneuservo.command_line.baseline_rig import warn_left_out
+from pneuservo.command_line.baseline_rig import warn_left_out, warn_of_transducer
 from pneuservo.command_line.campaign_options import (
     hand_out,
     options_of_place,
@@ -131,6 +131,7 @@ def command(
     problem = tuning_problem(settings, overshoot, error, where)
     if problem.left_out:
         warn_left_out(str(settings["rig"]), problem.left_out)
+    warn_of_transducer(problem.design, problem.campaign.rig)
     plan = Search(population, generations, problem.campaign.seed)
     with (
         progress(len(plan) + check) as step,

@@ -1,5 +1,6 @@
 """Closed loops to assert something of: one, or one for each rig of a set."""
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ from pneuservo.campaign.plan_file import campaign_of
 from pneuservo.campaign.sample import simulate_sample
 from pneuservo.campaign.summary import values_in_words
 from pneuservo.controllers import Controller, Proportional, SlidingMode
+from pneuservo.controllers.requirements import other_transducer
 from pneuservo.errors import InputError
 from pneuservo.loop_controller import UNITS, LoopController, loop_controller
 from pneuservo.rigs import Rig
@@ -85,7 +87,10 @@ def close_loop(
         to_si(hold, "s", "hold"),
         to_si(rate, "Hz", "rate"),
     )
-    return _loop(controller, options).run(plant, time, targets)
+    loop = _loop(controller, options)
+    if loop.design is not None and (problem := other_transducer(loop.design, plant)):
+        warnings.warn(problem, stacklevel=2)
+    return loop.run(plant, time, targets)
 
 
 def closed_loops(
@@ -154,6 +159,7 @@ def closed_loops(
             "vary": axes,
         },
         "vary",
+        warnings.warn,
     )
     special = [axis for axis in campaign.axes if axis.name in vary]
     for index in range(len(campaign)):

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -97,6 +98,14 @@ def test_noise_grows_faster_than_the_switching_frequency():
     for point in found.points:
         assert point.circuit_switching_frequency < point.switching_frequency
         assert point.total_noise > point.own_noise
+
+
+def test_the_converter_has_the_range_of_the_transducer():
+    design = load_design()
+    longer = replace(design, transducer=replace(design.transducer, full_scale_displacement=120e-3))
+    found = [trade_off(each, (3000.0,)).detectable_frequency for each in (design, longer)]
+    # The movement falls with the fifth power of the frequency at most: load, and valve squared.
+    assert found[1] < found[0] / 4 ** (1 / 5)
 
 
 def test_only_the_breaks_change():

@@ -14,6 +14,7 @@ from analog_card.errors import InputError
 from analog_card.tolerance import draw, elements_of, quantities
 from analog_card.tolerance_figures import behaviour_figures
 from analog_card.tolerance_trials import run_trials
+from analog_card.tuning import with_transducer_gain
 from pneuservo.circuit_loop import simulate_circuit_loop
 from pneuservo.command_line import main
 from pneuservo.controllers import card_of
@@ -36,6 +37,14 @@ def test_figures_of_the_recommended_card(design):
     assert found["chatter"] < 0.01
     assert found["limit_cycle_frequency"] == pytest.approx(167, rel=0.03)
     assert found["limit_cycle_amplitude"] == pytest.approx(6.9, rel=0.05)
+
+
+def test_the_loop_is_that_of_the_rigs_transducer(design):
+    # The same card on the same rig, whatever its design has for a transducer.
+    rig, other = load_rig("single-axis"), with_transducer_gain(design, 200.0)
+    assert closed_loop_figures(other, {}, rig) == pytest.approx(
+        closed_loop_figures(design, {}, rig)
+    )
 
 
 def test_the_loop_holds_where_the_open_loop_says(design):

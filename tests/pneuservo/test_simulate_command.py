@@ -165,6 +165,16 @@ def test_what_is_not_asked_for_stays_as_the_design_is_turned(run, tmp_path):
     assert damped["weight_velocity"] == pytest.approx(turned["weight_velocity"])
 
 
+def test_a_card_for_another_transducer_is_warned_of(run, tmp_path):
+    (tmp_path / "card.toml").write_text('[transducer]\nfull_scale_displacement = "50 mm"\n')
+    done = run(*CARD, "--design", "card.toml", "--boundary-layer", "5")
+    assert done.exit_code == 0, done.output
+    # 10 V over 50 mm and over 30 mm: with the gain of P3 for the former 5 m/s2 become 3 m/s2.
+    for words in ("200 V/m", "333.3 V/m", "is 3 m/s2 there, not 5 m/s2"):
+        assert words in done.stderr
+    assert "transducer" not in run(*CARD).stderr
+
+
 def test_the_card_by_its_behaviour(run):
     loop = [*CARD, "--card", "behaviour", "--json"]
     report = json.loads(run(*loop, "--out", "card.csv").stdout)

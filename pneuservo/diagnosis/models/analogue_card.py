@@ -1,5 +1,6 @@
 """The analogue card as four stages, each followed from what was measured ahead of it."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -30,7 +31,8 @@ from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.effects import Effect
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, load_rig
+from pneuservo.rigs.rig import tolerance_of_another
 
 _STAGES = {
     "card_velocity": ("card_sensor",),
@@ -104,6 +106,7 @@ class AnalogueCardModel(Model):
     def cases(self, recording: Recording, rig: Rig) -> list[Case]:
         """Return the recording once per stage that was recorded whole, in units of its noise."""
         feed = card_feed(recording)
+        rig = _on_transducer(rig, feed.nominal.figures.transducer_gain)
         found = []
         for channel in _whole_stages(recording):
             inputs = {"feed": feed, "weight": _weight(channel, feed), "done": Recent()}
@@ -223,6 +226,16 @@ class AnalogueCardModel(Model):
         feed: CardFeed = case.inputs["feed"]
         named = {name.replace("_", " "): signal for name, signal in feed.signals.items()}
         return {**named, "time": case.recording.time}
+
+
+def _on_transducer(rig: Rig, gain: float) -> Rig:
+    """Return a rig that says nothing of its own about the transducer with that of the design."""
+    parameter = rig.parameters[SENSITIVITY]
+    built_in = load_rig(AnalogueCardModel.kind).parameters[SENSITIVITY]
+    if parameter != built_in or math.isclose(gain, built_in.value):
+        return rig
+    designed = replace(parameter, value=gain, tolerance=tolerance_of_another(parameter, gain))
+    return replace(rig, parameters={**rig.parameters, SENSITIVITY: designed})
 
 
 def _by_block(case: Case, energy: Array) -> dict[str, float]:

@@ -105,6 +105,17 @@ def test_the_circuit_takes_the_same_values():
     assert np.abs(runs[0] - runs[1]).max() < limit < np.abs(runs[0] - nominal).max()
 
 
+def test_the_transducer_is_the_rigs(tmp_path):
+    # No law reads that of the design: an axis of it would change nothing.
+    with pytest.raises(InputError, match=r"transducer\.full_scale_voltage"):
+        campaign_of({**CARD, "vary": {"transducer.full_scale_voltage": "5, 10 V"}})
+    (tmp_path / "card.toml").write_text('[transducer]\nfull_scale_voltage = "5 V"\n')
+    warnings = []
+    settings = {**CARD, "design": str(tmp_path / "card.toml"), "vary": {"load.mass": "2 kg"}}
+    campaign_of(settings, warn=warnings.append)
+    assert "166.7 V/m" in warnings[0]
+
+
 def test_component_values_change_the_card_and_not_its_settings():
     campaign = campaign_of({**CARD, "vary": {CAPACITANCE: "110 nF"}})
     found = simulate_sample(campaign, campaign.values(0))

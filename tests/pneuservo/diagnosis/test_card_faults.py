@@ -8,6 +8,7 @@ from reading_answers import assert_recovered, entry_of, named
 from analog_card.design_file import load_design
 from analog_card.figures import card_figures
 from pneuservo.diagnosis import diagnose, document
+from pneuservo.diagnosis.models.analogue_card import AnalogueCardModel
 from pneuservo.diagnosis.replay import replay_model
 from pneuservo.rigs import load_rig
 
@@ -71,6 +72,19 @@ def test_a_healthy_card_is_consistent(seed):
     assert found["verdict"] == "consistent"
     assert found["missing"] == []
     assert found["corrected_parameters"] == {}
+
+
+def test_the_transducer_of_a_design_is_the_one_that_was_recorded(tmp_path):
+    # 10 V over 50 mm: the same volts are five thirds of the travel.
+    (tmp_path / "card.toml").write_text('[transducer]\nfull_scale_displacement = "50 mm"\n')
+    taken = truth.recording("healthy", 1, card={"design": str(tmp_path / "card.toml")})
+    taken.channels["demand"] *= 5.0 / 3.0
+    found = document(diagnose([taken]))
+    assert found["verdict"] == "consistent"
+    # What a rig says itself counts more.
+    own = load_rig("analogue-card").with_values({"sensor.displacement.sensitivity": 198.0})
+    (case, *_) = AnalogueCardModel(own.kind).cases(taken, own)
+    assert case.rig["sensor.displacement.sensitivity"] == 198.0
 
 
 @pytest.mark.parametrize("fault", NAMED)
