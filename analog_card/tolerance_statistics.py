@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -179,7 +180,7 @@ def importance(
 def corners(
     figures: Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Any]]],
     extremes: Mapping[str, float],
-    either: Sequence[str] = (),
+    either: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, tuple[float, float]]:
     """Return the worst cases of every figure, by corners that sensitivities sign.
 
@@ -189,8 +190,9 @@ def corners(
         Takes a list of cards, each deviations by quantity, and returns the figures of each.
     extremes : mapping of str to float
         How far each quantity goes to either side.
-    either : sequence of str, optional
-        Quantities that change what others do: every corner is tried at both ends of each of them.
+    either : mapping of str to float, optional
+        Quantities that change what others do, and where each stands while the sensitivities of the
+        others are found: every corner is tried at both ends of each of them.
 
     Returns
     -------
@@ -200,7 +202,7 @@ def corners(
 
     Notes
     -----
-    Each quantity alone goes to its upper end; the sign of the difference from the middle is that of
+    Each quantity alone goes to its upper end; the sign of the difference that it makes is that of
     its sensitivity. In the corner every quantity stands at the end that moves the figure the same
     way: exact for figures that are monotonic in each, a good guess for others.
 
@@ -211,7 +213,8 @@ def corners(
     """
     if not extremes:
         return {}
-    rest = dict.fromkeys(extremes, 0.0)
+    middle = dict.fromkeys(extremes, 0.0)
+    rest = middle | {name: value for name, value in either.items() if name in extremes}
     found = figures([rest, *({**rest, name: extreme} for name, extreme in extremes.items())])
     names = list(found[0])
     table = np.array([[each[name] for name in names] for each in found], float)
@@ -226,7 +229,7 @@ def corners(
         ends += [{**card, name: -card[name]} for card in ends if name in card]
     # Many figures share a corner.
     distinct = {tuple(card.values()): card for card in ends}
-    worst = figures(list(distinct.values()))
+    worst = figures([middle, *distinct.values()])
     tried = np.array([[each[name] for name in names] for each in [*found, *worst]], float)
     return {
         name: (float(np.nanmin(column)), float(np.nanmax(column)))

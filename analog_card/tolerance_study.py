@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from analog_card.design import Design
+from analog_card.design_tolerances import REFERENCE_TEMPERATURE
 from analog_card.errors import InputError
 from analog_card.tolerance import TEMPERATURE, draw, elements_of, quantities
 from analog_card.tolerance_figures import FIGURES, behaviour_figures, netlist_figures
@@ -209,8 +210,10 @@ def study_of(
     items = quantities(design)
     drawn = [draw(items, seed, index) for index in range(len(trials))]
     extremes = {item.name: item.extreme for item in items if item.spread}
+    # Drifts show at the end of the range that is further from where the values of the design hold.
+    warmer = design.tolerances.temperature.middle >= REFERENCE_TEMPERATURE
     with single_threaded():
-        worst = corners(evaluate, extremes, either=(TEMPERATURE,))
+        worst = corners(evaluate, extremes, either={TEMPERATURE: 1.0 if warmer else -1.0})
     spreads = _spreads(_numbers(nominal), units, trials, drawn, worst, measured)
     within = yield_within([_numbers(trial) for trial in trials], limits) if limits else None
     return Study(design, spreads, trials, list(measured), within)

@@ -22,7 +22,7 @@ from analog_card.command_line import main
 from analog_card.design_file import load_design
 from analog_card.errors import InputError
 from analog_card.ngspice import Session
-from analog_card.tolerance import PAIR, Quantity, draw, elements_of, quantities
+from analog_card.tolerance import PAIR, TEMPERATURE, Quantity, draw, elements_of, quantities
 from analog_card.tolerance_figures import behaviour_figures, netlist_figures
 from analog_card.tolerance_statistics import bounds, corners, importance, yield_within
 from analog_card.tolerance_study import study_card
@@ -385,6 +385,31 @@ def test_no_card_with_everything_at_its_ends_is_beyond_the_corners(design):
             measured["displacement_weight"], rel=3e-4
         )
         assert computed["rest_error"] == pytest.approx(measured["rest_error"], abs=1e-7)
+
+
+@pytest.mark.parametrize("celsius", [(0.0, 50.0), (-25.0, 25.0)])
+def test_the_corners_have_every_drift_the_same_way(design, celsius):
+    # Nothing but drifts of 8 uV/K, which are nothing at 25 degC: the error at rest is linear in
+    # them, so that its worst cases are apart by twice the sum of what each does alone.
+    parts = ("resistor", "matched_resistor", "capacitor", "potentiometer", "zener")
+    nothing = dict.fromkeys((f"{part}.tolerance" for part in parts), 0.0)
+    lowest, highest = (value + 273.15 for value in celsius)
+    drift = {
+        "operational_amplifier.offset_voltage": 0.0,
+        "operational_amplifier.offset_drift": 8e-6,
+        "temperature.lowest": lowest,
+        "temperature.highest": highest,
+    }
+    only = changed(design, STUDY | nothing | drift)
+    far = max((-1.0, 1.0), key=lambda end: abs(np.mean(celsius) + 25.0 * end - 25.0))
+    drifts = [item for item in quantities(only) if item.name.endswith(" drift")]
+    none, *alone = (
+        behaviour_figures(only, elements_of({TEMPERATURE: far} | card, only))["rest_error"]
+        for card in ({}, *({item.name: item.extreme} for item in drifts))
+    )
+    expected = 2.0 * np.sum(np.abs(np.subtract(alone, none)))
+    (spread,) = (each for each in study_card(only, 2, 0).spreads if each.figure == "rest_error")
+    assert spread.corner_high - spread.corner_low == pytest.approx(expected, rel=0.02)
 
 
 def test_capacitors_matter_most_for_the_acceleration(design):
