@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from analog_card.figures import CardFigures, card_figures
 from pneuservo.arrays import Array, Mask
 from pneuservo.diagnosis.models.card_feed import (
     EDGE,
@@ -26,6 +27,7 @@ from pneuservo.diagnosis.models.card_stages import (
     output,
     surface,
 )
+from pneuservo.diagnosis.models.card_tolerances import stage_errors
 from pneuservo.diagnosis.models.model import Case, Model, Unknown, Values
 from pneuservo.diagnosis.models.recent import Recent
 from pneuservo.effects import Effect
@@ -79,10 +81,11 @@ class AnalogueCardModel(Model):
 
     Notes
     -----
-    A stage's figures are known within the tolerances of its parts, and its op-amp's offset within
-    the data sheet: each stage has these errors as unknowns of its own, which end at the tolerance.
-    What a stage is fed with carries noise, which a differentiator magnifies: both sides are
-    whitened by what the noises of its input and output make of its nominal response.
+    A stage's figures are known within the tolerances that the design states of its parts, and its
+    op-amp's offset within those of the op-amp: each stage has these errors as unknowns of its own,
+    which end at the tolerance. What a stage is fed with carries noise, which a differentiator
+    magnifies: both sides are whitened by what the noises of its input and output make of its
+    nominal response.
     """
 
     kind: ClassVar[str] = "analogue-card"
@@ -254,30 +257,14 @@ def _by_block(case: Case, energy: Array) -> dict[str, float]:
 def _errors(case: Case) -> list[Unknown]:
     feed: CardFeed = case.inputs["feed"]
     figures, found = feed.nominal.figures, [Unknown("amplifier_error", 0.0, -1.0, 2.0, 1.0)]
+    for name, (sigma, most) in stage_errors(feed.nominal.design)[case.channel].items():
+        scale, unit = 1.0, "V" if name == "offset" else ""
+        if unit and case.channel == "card_surface":
+            # Where other weights are stated than the design's, offsets go with the gain of noise.
+            scale = _noise_gain(figures) / _noise_gain(card_figures(feed.nominal.design))
+        found.append(Unknown(name, 0.0, -scale * most, scale * most, scale * sigma, unit))
     if case.channel == "card_output":
-        return [
-            *found,
-            _tolerated("gain_error", 0.06, 0.18),
-            _tolerated("offset", 0.006, 0.018, "V"),
-            _tolerated("level_error", 0.03, 0.06),
-            _tolerated("asymmetry", 0.004, 0.012),
-            Unknown("softness", 1.0, 0.0, 1.6, 0.5),
-        ]
-    if case.channel == "card_surface":
-        weights = {
-            "displacement": figures.weight_displacement,
-            "velocity": figures.weight_velocity,
-            "acceleration": figures.weight_acceleration,
-        }
-        spread = 6.5e-3 * (1.0 + sum(weights.values()))
-        found += [_tolerated(f"{state}_error", 0.015, 0.04) for state in weights]
-        found.append(_tolerated("offset", spread, 3.0 * spread, "V"))
-    else:
-        found += [
-            _tolerated("gain_error", 0.03, 0.06),
-            _tolerated("lag_error", 0.035, 0.07),
-            _tolerated("offset", 0.007, 0.02, "V"),
-        ]
+        return [*found, Unknown("softness", 1.0, 0.0, 1.6, 0.5)]
     low, high = feed.nominal.swing
     signal = feed.signals[case.channel]
     for name, reached in (
@@ -289,8 +276,9 @@ def _errors(case: Case) -> list[Unknown]:
     return found
 
 
-def _tolerated(name: str, sigma: float, most: float, unit: str = "") -> Unknown:
-    return Unknown(name, 0.0, -most, most, sigma, unit)
+def _noise_gain(figures: CardFigures) -> float:
+    weights = (figures.weight_displacement, figures.weight_velocity, figures.weight_acceleration)
+    return 1.0 + sum(weights)
 
 
 def _whole_stages(recording: Recording) -> list[str]:

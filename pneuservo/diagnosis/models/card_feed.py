@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from analog_card.behaviour import CardBehaviour, card_stages
 from analog_card.behaviour_limiter import inputs as limiter_inputs
+from analog_card.design import Design
 from analog_card.design_file import load_design
 from analog_card.errors import InputError as CardInputError
 from analog_card.figures import CardFigures, card_figures
@@ -50,6 +51,8 @@ class CardNominal:
 
     Parameters
     ----------
+    design : Design
+        The card as designed, with the tolerances of its parts.
     figures : CardFigures
         Gains, filters and limits.
     amplifier_time : float
@@ -62,6 +65,7 @@ class CardNominal:
         The limiter's curve: what it is asked for and what it gives, over the level [-].
     """
 
+    design: Design
     figures: CardFigures
     amplifier_time: float
     share: float
@@ -173,6 +177,7 @@ def card_nominal(recording: Recording) -> CardNominal:
     wanted = limiter_inputs()
     limited = np.interp(ahead, wanted, stages.limiter.clamped) * stages.limiter.fraction
     nominal = CardNominal(
+        design,
         figures,
         1.0 / (2.0 * np.pi * design.soldered.operational_amplifier.gain_bandwidth),
         share,

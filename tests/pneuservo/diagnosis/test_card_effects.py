@@ -19,6 +19,7 @@ from analog_card.design_file import load_design
 from pneuservo.diagnosis import diagnose, document
 from pneuservo.diagnosis.models import model_of
 from pneuservo.diagnosis.models.card_kernels import limited_differentiator, limited_rate
+from pneuservo.diagnosis.models.card_tolerances import stage_errors
 from pneuservo.effects import effects_of
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording
@@ -119,6 +120,33 @@ def test_an_effect_is_located_named_and_measured(what):
     entry = entry_of(found, effect)
     assert entry["block"] == found["located"][0]["block"] == block
     assert entry["parameters"][parameter]["value"] == pytest.approx(value, rel=within)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "capacitor", "healthy"),
+    [("10 %", 109e-9, True), ("5 %", 109e-9, False), ("1 %", 104.5e-9, False)],
+)
+def test_a_capacitor_is_judged_by_the_tolerance_of_the_design(
+    tmp_path, tolerance, capacitor, healthy
+):
+    (tmp_path / "card.toml").write_text(f'[tolerances.capacitor]\ntolerance = "{tolerance}"\n')
+    recorded = replace(
+        taps({"xtaps.xvelocity.cinput": capacitor}), card={"design": str(tmp_path / "card.toml")}
+    )
+    found = document(diagnose([recorded]))
+    assert (found["verdict"] == "consistent") is healthy
+    assert named(found) == (set() if healthy else {"card.differentiator-gain-1"})
+
+
+def test_the_errors_of_the_stages_by_hand():
+    errors = stage_errors(load_design())
+    # Capacitors of 5 %, resistors of 1 %, evenly spread, 150 ppm/K over 30 K, and 1 % beside.
+    sigma, most = errors["card_velocity"]["gain_error"]
+    assert sigma == pytest.approx(np.hypot(0.01, np.hypot(0.05, 0.01) / np.sqrt(3)), rel=0.03)
+    assert most == pytest.approx(0.05 + 0.01 + 0.0045 + 0.01, abs=0.002)
+    # 5 mV of the op-amp, three times at most, and 3 mV of the recorder.
+    sigma, most = errors["card_output"]["offset"]
+    assert (sigma, most) == pytest.approx((np.hypot(5e-3, 3e-3), 18e-3), rel=0.01)
 
 
 def test_a_wrong_sensitivity_is_a_wrong_parameter():
