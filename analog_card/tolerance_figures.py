@@ -8,13 +8,19 @@ import netlists
 from analog_card.amplifier_elements import netlist_elements
 from analog_card.analyses import FrequencySweep, OperatingPoint
 from analog_card.behaviour import CardBehaviour, card_stages
-from analog_card.behaviour_elements import CHANNEL, nominal_elements
+from analog_card.behaviour_elements import CHANNEL, nominal_elements, offset_name
 from analog_card.behaviour_limiter import inputs
 from analog_card.behaviour_model import rest_voltages, stage_responses
 from analog_card.design import Design
+from analog_card.figures import card_figures
 from analog_card.ngspice import Session
 from analog_card.tolerance_relay import BENCH as RELAY_BENCH
-from analog_card.tolerance_relay import behaviour_delay, netlist_delay
+from analog_card.tolerance_relay import (
+    LEAST_WEIGHT,
+    behaviour_delay,
+    demand_triangle,
+    netlist_delay,
+)
 
 # Unit of each figure; the name says what it is.
 FIGURES = {
@@ -35,8 +41,8 @@ _SLOW = 10.0  # Hz, where a differentiator has its gain
 # Where the card is to hold the piston, as a share of the transducer's full scale: off the middle,
 # so that a mismatch of the difference amplifier shows.
 _HELD = 0.8
-# How far the demand is moved to reach the output's limits, as a share of full scale.
-_AWAY = 0.2
+# How far the surface goes while a demand is looked for at which it, or the comparator, is zero [V].
+_COARSE, _FINE = 0.6, 0.01
 _SWEEP = FrequencySweep(1.0, 1e3, 10)
 _BENCH = netlists.BENCHES / "channel-ac.cir"
 _NODES = ("displacement", "first", "second", "deviation", "rate", "comparator")
@@ -86,7 +92,10 @@ def behaviour_figures(design: Design, elements: Mapping[str, float]) -> dict[str
         comparator=rest_voltages(stages, held, held)["comparator"],
         levels=levels,
     )
-    return found | {"relay_delay": behaviour_delay(design, elements, held)}
+    zero = _zero_crossing(
+        *((demand, rest_voltages(stages, held, demand)["comparator"]) for demand in (held, 0.0))
+    )
+    return found | {"relay_delay": behaviour_delay(design, elements, held, zero)}
 
 
 def netlist_figures(
@@ -114,35 +123,54 @@ def netlist_figures(
     held = _HELD * design.transducer.full_scale_voltage
     save = ["surface", "control", "transducer", *(f"{CHANNEL}.{node}" for node in _NODES)]
     parameters = {**design.netlist_parameters(), "rest": held}
+    amplitude, period = demand_triangle(design)
+    switched = {**parameters, "amplitude": amplitude, "period": period}
     with (
         Session(_BENCH, parameters, save) as session,
-        Session(RELAY_BENCH, parameters, ["surface", "control"]) as relay,
+        Session(RELAY_BENCH, switched, ["surface", "control"]) as relay,
     ):
         for card in cards:
             elements = netlist_elements(
                 {**nominal_elements(design), **card}, design.soldered.operational_amplifier
             )
-            found = _measured(design, session, elements, held)
-            yield found | {"relay_delay": netlist_delay(relay, elements)}
+            found, zero = _measured(design, session, elements, held)
+            yield found | {"relay_delay": netlist_delay(relay, elements, zero, period)}
 
 
 def _measured(
     design: Design, session: Session, elements: Mapping[str, float], held: float
-) -> dict[str, float]:
-    """Return the figures of one card from its operating points and its frequency response."""
-    away = _AWAY * design.transducer.full_scale_voltage
+) -> tuple[dict[str, float], float]:
+    """Return the figures of one card from its operating points and its frequency response.
+
+    With them the demand at which its comparator is at zero: offsets alone may saturate that of a
+    card with a narrow layer, which then has no response.
+    """
     session.change({f"{CHANNEL}.{name}": value for name, value in elements.items()})
-    session.change({"vdemand": held})
-    rest = session.run(OperatingPoint())
-    sweep = session.run(_SWEEP)
-    # A demand above the displacement drives the output up.
-    limits = []
-    for demand in (held - away, held + away):
+
+    def at_rest(demand: float, node: str) -> tuple[float, float]:
         session.change({"vdemand": demand})
+        return demand, float(session.run(OperatingPoint())[node][0].real)
+
+    weight = max(card_figures(design).weight_displacement, LEAST_WEIGHT)
+    comparator = f"{CHANNEL}.comparator"
+    # No further than what a transducer gives.
+    lower = held - min(_COARSE / weight, held / 2)
+    near = _zero_crossing(*(at_rest(demand, "surface") for demand in (lower, held)))
+    first, second = (at_rest(near + away / weight, comparator) for away in (-_FINE, _FINE))
+    zero = _zero_crossing(first, second)
+    slope = (second[1] - first[1]) / (second[0] - first[0])
+    session.change({"vdemand": zero})
+    sweep = session.run(_SWEEP)
+    # An offset of its own drives the output to its limits whatever the surface can do.
+    offset, limits = offset_name("boundary_layer"), []
+    far = _beyond_limits(design)
+    for sign in (-1.0, 1.0):
+        session.change({f"{CHANNEL}.{offset}": elements[offset] + sign * far})
         limits.append(float(session.run(OperatingPoint())["control"][0].real))
+    session.change({f"{CHANNEL}.{offset}": elements[offset]})
     node = {name: sweep[f"{CHANNEL}.{name}"] for name in _NODES}
     states = np.column_stack([node["deviation"], node["rate"], node["second"]])
-    return _figures(
+    found = _figures(
         design,
         weights=_fitted(states, -sweep["surface"]),
         difference=float(abs(node["deviation"][0] / node["displacement"][0])),
@@ -151,9 +179,26 @@ def _measured(
         probe=complex(np.prod(_at(_PROBE, sweep.frequency, _taps(node)))),
         comparator_gain=float(abs(node["comparator"][0] / sweep["surface"][0])),
         control_gain=float(abs(sweep["control"][0] / node["comparator"][0])),
-        comparator=float(rest[f"{CHANNEL}.comparator"][0].real),
+        comparator=slope * (held - zero),
         levels=np.array(limits),
     )
+    return found, zero
+
+
+def _beyond_limits(design: Design) -> float:
+    """Return an offset of the boundary-layer amplifier that takes it far beyond its limits [V]."""
+    parts, amplifier = design.soldered, design.soldered.operational_amplifier
+    feedback = parts.boundary_layer_amplifier
+    least = 1 + feedback.feedback_resistance / feedback.ground_resistance
+    return 2 * (amplifier.positive_swing + amplifier.negative_swing) / least
+
+
+def _zero_crossing(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """Return where a straight line through two points is zero; the middle of them if nowhere."""
+    (start, low), (end, high) = one, other
+    if low == high:
+        return (start + end) / 2
+    return start - low * (end - start) / (high - low)
 
 
 def _figures(

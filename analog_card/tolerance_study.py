@@ -14,6 +14,8 @@ from analog_card.errors import InputError
 from analog_card.tolerance import TEMPERATURE, draw, elements_of, quantities
 from analog_card.tolerance_figures import FIGURES, behaviour_figures, netlist_figures
 from analog_card.tolerance_statistics import (
+    CONTENT,
+    Bounds,
     Yield,
     bounds,
     corners,
@@ -37,9 +39,9 @@ class Spread:
     nominal : float
         Of the card as designed [unit].
     mean, deviation : float
-        Mean and standard deviation of the trials [unit].
+        Mean and standard deviation of the trials; not a number where less than two gave one [unit].
     low, high : float
-        95 % of all cards lie between these, with the confidence given [unit].
+        95 % of all cards lie between these, with the confidence given; as above [unit].
     confidence : float
         Of that.
     corner_low, corner_high : float or None
@@ -232,10 +234,12 @@ def _spreads(
     for figure, unit in units.items():
         values = np.array([trial[figure] for trial in trials], float)
         usable = values[np.isfinite(values)]
-        if len(usable) < 2:
-            raise InputError(f"{figure}: {len(usable)} trials gave a number; run more")
-        found = bounds(usable.tolist())
-        ranked = importance(drawn, values.tolist())
+        few = len(usable) < 2
+        if len(values) < 2:
+            raise InputError(f"{len(values)} trials; a study needs at least two")
+        # What hardly a card has is no reason to keep the other figures back.
+        found = Bounds(np.nan, np.nan, CONTENT, 0.0) if few else bounds(usable.tolist())
+        ranked = {} if few else importance(drawn, values.tolist())
         both = min(len(measured), len(trials))
         pairs = [(measured[k][figure], float(values[k])) for k in range(both)]
         apart = [abs(one - other) for one, other in pairs if np.isfinite(one - other)]
@@ -245,8 +249,8 @@ def _spreads(
                 figure=figure,
                 unit=unit,
                 nominal=nominal[figure],
-                mean=float(usable.mean()),
-                deviation=float(usable.std(ddof=1)),
+                mean=np.nan if few else float(usable.mean()),
+                deviation=np.nan if few else float(usable.std(ddof=1)),
                 low=found.low,
                 high=found.high,
                 confidence=found.confidence,

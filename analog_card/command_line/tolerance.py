@@ -1,6 +1,7 @@
 """``analog-card tolerance``: what tolerances do to the card in open loop."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -158,6 +159,7 @@ def _print(study: Study) -> None:
         "nominal",
         "95 % of cards",
         "worst case",
+        "no number",
     )
     for item in study.spreads:
         rows.add_row(
@@ -165,6 +167,7 @@ def _print(study: Study) -> None:
             _text(item.nominal, item.unit),
             _between(item.low, item.high, item.unit),
             _between(item.corner_low, item.corner_high, item.unit),
+            f"{item.failed} of {len(study.trials)}" if item.failed else "",
         )
     console.print(rows)
     rows = table("What matters most, share of the spread", "figure", "", "netlist differs by")
@@ -199,7 +202,7 @@ def _readable(name: str) -> str:
 
 
 def _between(low: float | None, high: float | None, unit: str) -> str:
-    if low is None or high is None:
+    if low is None or high is None or math.isnan(low):
         return ""
     return f"{_text(low, unit)} to {_text(high, unit)}"
 

@@ -25,8 +25,9 @@ from analog_card.ngspice import Session
 from analog_card.tolerance import PAIR, TEMPERATURE, Quantity, draw, elements_of, quantities
 from analog_card.tolerance_figures import behaviour_figures, netlist_figures
 from analog_card.tolerance_statistics import bounds, corners, importance, yield_within
-from analog_card.tolerance_study import study_card
+from analog_card.tolerance_study import study_card, study_of
 from analog_card.tolerance_trials import run_trials
+from analog_card.tuning import tune
 
 # What an independent study of the same card left out: drift, a spread of the op-amps' figures, a
 # mismatch of the zeners, that of the resistors in the inverter.
@@ -282,6 +283,34 @@ def test_netlist_and_behaviour_agree_on_every_card(design):
         # The behaviour runs from the swing under load, the circuit from that ahead of the output
         # resistance: 60 ohm in about 2 kohm are 3 % of the way and half of that in time.
         assert computed["relay_delay"] == pytest.approx(measured["relay_delay"], rel=0.015)
+
+
+@pytest.mark.ngspice
+@pytest.mark.parametrize(("settling_time", "layer"), [(0.15, 5.0), (0.25, 1.0), (0.5, 15.0)])
+def test_netlist_and_behaviour_agree_whatever_a_card_is_turned_to(settling_time, layer):
+    # A demand hardly moves slow surfaces, and offsets saturate the amplifier of narrow layers.
+    turned = tune(settling_time, boundary_layer=layer).design
+    items = quantities(turned)
+    cards = [elements_of(draw(items, 11, index), turned) for index in range(2)]
+    for card, measured in zip(cards, netlist_figures(turned, cards), strict=True):
+        computed = behaviour_figures(turned, card)
+        for name in ("displacement_weight", "boundary_layer", "rest_error", "level_asymmetry"):
+            assert computed[name] == pytest.approx(measured[name], rel=3e-4), name
+        for name in ("level_high", "level_low"):
+            assert computed[name] == pytest.approx(measured[name], abs=2e-3)
+        assert computed["relay_delay"] == pytest.approx(measured["relay_delay"], rel=0.015)
+
+
+def test_a_figure_that_no_card_has_keeps_no_other_back(design):
+    trials = [{"a": float(index), "b": None} for index in range(5)]
+    study = study_of(
+        design, 0, {"a": "m", "b": "s"}, {"a": 1.0, "b": None}, trials,
+        lambda cards: [{"a": 1.0, "b": None} for _ in cards],
+    )  # fmt: skip
+    one, other = study.spreads
+    assert (one.mean, one.failed) == (2.0, 0)
+    assert math.isnan(other.mean)
+    assert (other.failed, other.important) == (5, {})
 
 
 @pytest.mark.ngspice
