@@ -72,12 +72,16 @@ def opamp_noise(design: Design, frequency: np.ndarray) -> np.ndarray:
 
     Notes
     -----
-    1/f noise between the data sheet's points at 1 and 10 kHz, which fall a little faster; the
-    geometric mean of both, as in ``netlists/opamp/ca3140-noisy.lib``.
+    White and 1/f noise through the data sheet's points at 1 and 10 kHz, as in
+    ``netlists/opamp/ca3140-noisy.lib``. Where they fall faster than 1/f, as the CA3140's a little,
+    1/f noise through the geometric mean of both.
     """
     amplifier = design.soldered.operational_amplifier
-    points = amplifier.noise_1_kilohertz * amplifier.noise_10_kilohertz
-    return np.sqrt(points * math.sqrt(1e3 * 10e3) / np.asarray(frequency, float))
+    low, high = amplifier.noise_1_kilohertz, amplifier.noise_10_kilohertz
+    through = (low**2 - high**2) / (1 / 1e3 - 1 / 10e3)
+    flicker = min(through, low * high * math.sqrt(1e3 * 10e3))
+    white = max(high**2 - through / 10e3, 0.0)
+    return np.sqrt(white + flicker / np.asarray(frequency, float))
 
 
 def white_density(voltage: float, band: float) -> float:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from analog_card.design_fields import quantity
+from analog_card.errors import InputError
 
 # The op-amps of a channel, by the names of their offset voltages in the netlists.
 AMPLIFIERS = (
@@ -25,6 +26,8 @@ AMPLIFIER_FIGURES = (
     "positive_swing",
     "negative_swing",
 )
+# Noise at 1 kHz over that at 10 kHz, at the most: 1/f is 3.2, which leaves either point 26 % off.
+_STEEPEST = 5.0
 
 
 @dataclass(frozen=True)
@@ -233,6 +236,16 @@ class OperationalAmplifier:
     sink_limit: float = quantity("A")
     supply_current: float = quantity("A", "not negative")
     supply: float = quantity("V")
+
+    def __post_init__(self) -> None:
+        """Refuse noise that is neither white nor 1/f nor both."""
+        low, high = self.noise_1_kilohertz, self.noise_10_kilohertz
+        if not high <= low <= _STEEPEST * high:
+            raise InputError(
+                f"noise_1_kilohertz is {low:g} V and noise_10_kilohertz {high:g} V; white and 1/f "
+                f"noise has from 1 to {_STEEPEST:g} times as much at 1 kHz. Read both again in the "
+                "data sheet"
+            )
 
     def netlist_parameters(self) -> dict[str, float]:
         """Return the figures by their parameter names in the netlists of the op-amp."""

@@ -7,7 +7,9 @@ import pytest
 
 import netlists
 from analog_card.design_file import load_design
+from analog_card.errors import InputError
 from analog_card.ngspice import FrequencySweep, Noise, Transient, noise_voltage, run
+from analog_card.noise import opamp_noise
 from analog_card.opamp_bench import LIMIT, measure_opamp
 
 pytestmark = pytest.mark.ngspice
@@ -137,6 +139,28 @@ def test_noise_is_flicker_between_the_two_points():
     # Integral of k/f with k = (40 nV)(12 nV) sqrt(1 kHz 10 kHz)
     k = 40e-9 * 12e-9 * np.sqrt(1e7)
     assert voltage == pytest.approx(np.sqrt(k * np.log(1e3)), rel=1e-3)
+
+
+@pytest.mark.parametrize("points", [(18e-9, 18e-9), (20e-9, 12e-9), (40e-9, 12e-9)])
+def test_noise_is_white_and_flicker_through_both_points(points):
+    low, high = points
+    quiet = replace(FIGURES, noise_1_kilohertz=low, noise_10_kilohertz=high)
+    found = {figure.name: figure for figure in measure_opamp(quiet)}
+    # Within a thousandth where not steeper than 1/f, as the CA3140's are; 0.7 nV of the diodes.
+    within = 30e-3 if low > np.sqrt(10) * high else 3e-3
+    for name, stated in (("1 kHz", low), ("10 kHz", high)):
+        assert found[f"noise in 1 Hz at {name}"].measured == pytest.approx(stated, rel=within)
+    design = load_design()
+    design = replace(design, soldered=replace(design.soldered, operational_amplifier=quiet))
+    computed = opamp_noise(design, np.array([1e3, 10e3]))
+    assert computed == pytest.approx(points, rel=within)
+
+
+@pytest.mark.parametrize("points", [(10e-9, 12e-9), (100e-9, 12e-9)])
+def test_noise_that_rises_or_falls_too_fast_is_refused(points):
+    low, high = points
+    with pytest.raises(InputError, match="white and 1/f noise has from 1 to 5 times as much"):
+        replace(FIGURES, noise_1_kilohertz=low, noise_10_kilohertz=high)
 
 
 def test_the_variant_without_noise_has_none_of_it(tmp_path):
