@@ -13,8 +13,6 @@ from pneuservo.rigs.added_weight import MOVED_MASS, with_added_weight
 
 _LEAST_SHARE = 1e-3
 """Share of where it starts that a positive parameter keeps: nothing divides by nothing."""
-_EITHER_WAY = "load.gravity"
-"""What acts along the axis the other way where somebody took the rod for the other end."""
 _ANEW = "error of "
 """How the name of a recording's own error of a parameter begins, where that was measured anew."""
 
@@ -74,8 +72,7 @@ def baseline_unknowns(model: Model, cases: Sequence[Case], hypothesis: Hypothesi
         known = parameter.tolerance and not parameter.free and key not in hypothesis.loosened
         start = guess.get(key, parameter.value) if parameter.free else parameter.value
         # Signs are part of what is known; only zero-centred values may change theirs.
-        positive = parameter.value > 0.0 and start > 0.0 and key != _EITHER_WAY
-        low = _LEAST_SHARE * start if positive else -np.inf
+        low = _LEAST_SHARE * start if parameter.value > 0.0 and start > 0.0 else -np.inf
         sigma = parameter.tolerance if known else None
         found.append(Unknown(key, start, low, np.inf, sigma, parameter.unit))
     return found

@@ -20,14 +20,15 @@ SPRING_OF_TESTER = Effect(
 SPRING = replace(
     SPRING_OF_TESTER,
     rigs=("single-axis",),
-    equation="F = stiffness (x - x_mid) + preload",
+    equation="F = stiffness (x - x_mid - origin)",
     parameters=(
         _STIFFNESS,
         EffectParameter(
-            "preload", "N", 0.0, -200.0, 200.0, (0.0,), "pull at mid-stroke", "load.preload"
+            "origin", "m", 0.0, -0.06, 0.06, (0.0,), "beyond mid-stroke, where it is free",
+            "load.spring_origin",
         ),
     ),
-)
+)  # fmt: skip
 _RIGS = ("single-axis",)
 _MODE_STARTS = (8.0, 11.0, 15.0, 21.0, 29.0, 40.0, 56.0)
 """Of a lightly damped mode nothing shows from a start far beside it [Hz]."""
@@ -122,16 +123,18 @@ GRAVITY_ANGLE = Effect(
     id="load.gravity-angle",
     block="load",
     rigs=_RIGS,
-    statement="The axis leans; in the model gravity acts along it as the rig says.",
+    statement=(
+        "The axis leans, or the rod points the other way; the model has gravity as the rig says."
+    ),
     equation="F = m g cos(angle_rig + angle), g cos(angle_rig) = load.gravity",
     parameters=(
         EffectParameter(
             "angle",
             "rad",
             0.0,
-            -1.6,
-            1.6,
-            (0.3,),
+            -3.2,
+            3.2,
+            (0.3, 3.1),
             "by which the rod is turned upwards from where the rig has it",
             "load.tilt",
         ),

@@ -18,8 +18,8 @@ class LoadEffects(NamedTuple):
 
     spring: float = 0.0
     """Stiffness of a spring [N/m]."""
-    preload: float = 0.0
-    """By which it pulls at mid-stroke, positive retracts [N]."""
+    spring_origin: float = 0.0
+    """How far beyond mid-stroke it is free [m]."""
     tilt: float = 0.0
     """Angle by which the axis is turned from where it is said to stand, rod upwards [rad]."""
     mode_share: float = 0.0
@@ -49,7 +49,7 @@ def spring_force(displacement, stroke, effects):
     effects : LoadEffects
         The effects.
     """
-    return -effects.spring * (displacement - 0.5 * stroke) - effects.preload
+    return -effects.spring * (displacement - 0.5 * stroke - effects.spring_origin)
 
 
 @compiled
