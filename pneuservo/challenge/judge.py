@@ -178,7 +178,8 @@ def _wrong_parameter(
 
 
 def _outside(key: Mapping[str, Any], answer: Mapping[str, Any], named: tuple[str, ...]) -> dict:
-    unexplained = UNEXPLAINED in named
+    # What comes second behind a name is no answer.
+    unexplained = named[:1] == (UNEXPLAINED,)
     entries = _entries(answer)
     sure = bool(entries) and entries[0].get("probability", 0.0) >= CONFIDENT
     blocks = _blocks(answer)

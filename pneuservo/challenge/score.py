@@ -3,9 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from statistics import median
 
-from pneuservo.challenge.judge import CONFIDENT, Judged
+from pneuservo.challenge.classes import classmates
+from pneuservo.challenge.judge import CONFIDENT, UNEXPLAINED, Judged
 from pneuservo.intervals import CONFIDENCE
 
 
@@ -259,5 +261,7 @@ def confident_and_wrong(cases: Sequence[Judged]) -> list[Judged]:
     return [
         case
         for case in cases
-        if case.probability >= CONFIDENT and any(case.right.get(name) is False for name in _BELIED)
+        if case.probability >= CONFIDENT
+        and any(case.right.get(name) is False for name in _BELIED)
+        and not {UNEXPLAINED, *chain(*map(classmates, case.truth))} & set(case.named[:1])
     ]

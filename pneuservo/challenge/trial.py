@@ -66,7 +66,8 @@ class Trial:
     @property
     def programs(self) -> list[str]:
         """Return the digests of the programs that were asked: one, when it was frozen."""
-        kept = [kept_answer(self.answer_file(name)) for name in self.names]
+        files = sorted(self.folder.glob("answers*/*.json"))
+        kept = [kept_answer(file) for file in files]
         return sorted({answer.program for answer in kept if answer is not None})
 
     @property
@@ -139,10 +140,10 @@ def open_trial(folder: Path, cases: int | None, seed: int | None) -> Trial:
 
 
 def code_digest(*roots: Path) -> str:
-    """Return a digest of every source file in some folders, to tell a frozen program by."""
+    """Return a digest of every source and data file in some folders, to tell a frozen program by."""
     digest = hashlib.sha256()
     for root in roots:
-        for source in sorted(root.rglob("*.py")):
+        for source in sorted([*root.rglob("*.py"), *root.rglob("*.toml")]):
             digest.update(source.relative_to(root.parent).as_posix().encode())
             digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
