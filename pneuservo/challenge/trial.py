@@ -140,7 +140,7 @@ def open_trial(folder: Path, cases: int | None, seed: int | None) -> Trial:
 
 
 def code_digest(*roots: Path) -> str:
-    """Return a digest of every source and data file in some folders, to tell a frozen program by."""
+    """Return a digest of all sources and data in some folders, to tell a frozen program by."""
     digest = hashlib.sha256()
     for root in roots:
         for source in sorted([*root.rglob("*.py"), *root.rglob("*.toml")]):
