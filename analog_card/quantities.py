@@ -217,9 +217,8 @@ def _convert(value: str | float, unit: str, what: str) -> float:
     if quantity.unitless and str(quantity.units) == "dimensionless":
         return float(quantity.magnitude)
     if unit == "Hz" and "radian" in str(quantity.to_root_units().units):
-        raise InputError(
-            f"{what}: {value!r} is an angular frequency; divide it by 2 pi and write it in Hz"
-        )
+        turns = quantity.to("radian/second").magnitude / (2.0 * math.pi)
+        raise InputError(f"{what}: {value!r} is an angular frequency; write {turns:g} Hz")
     try:
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as problem:

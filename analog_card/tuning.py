@@ -214,8 +214,8 @@ def retune(design: Design, **goals: float) -> Design:
     """
     if {"settling_time", "damping"} & goals.keys():
         now = read_settings(design)
-        # Rounding of the settings must not make a damping of 1 a larger one, which is none.
-        damping = 1.0 if math.isclose(now.damping, 1.0, rel_tol=1e-6) else now.damping
+        # A card may be turned to more than 1, which is no damping that can be asked for.
+        damping = min(now.damping, 1.0)
         goals = {"settling_time": now.settling_time, "damping": damping, **goals}
     _require_possible(goals)
     settings = {}

@@ -13,7 +13,7 @@ from analog_card.quantities import to_si
 from pneuservo.errors import InputError
 from pneuservo.recordings import Recording, read_recording
 from pneuservo.recordings.time_checks import FEWEST_SAMPLES
-from pneuservo.rigs import Rig
+from pneuservo.rigs import Rig, load_rig
 from pneuservo.rigs.rig_file import files_beside
 
 
@@ -97,12 +97,23 @@ def require_room_for_valve(rig: Rig, folder: Path, names: Sequence[str]) -> None
     InputError
         When there is another file of that name, or one of that name is written.
     """
+    before = {_valve_of(folder / name) for name in names if name.endswith(".toml")}
     for name, text in files_beside(rig).items():
         there = folder / name
-        if name in names or (there.is_file() and there.read_bytes() != text.encode()):
+        # The copy that an earlier run has put there is renewed as all else is.
+        another = there.is_file() and name not in before and there.read_text("utf-8") != text
+        if name in names or another:
             raise InputError(
                 f"{there}: the valve file of {rig.name} would take its place; choose another folder"
             )
+
+
+def _valve_of(path: Path) -> str:
+    """Return the name of the valve file of a rig file; nothing where there is none."""
+    try:
+        return Path(load_rig(path).valve).name
+    except InputError:
+        return ""
 
 
 def require_unread(

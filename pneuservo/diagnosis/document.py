@@ -128,11 +128,12 @@ def repaired_model(diagnosis: Diagnosis) -> dict[str, Any]:
     """
     chosen, rig = diagnosis.repaired, diagnosis.rig
     model = rig_document(replace(rig, title=f"{rig.title.removesuffix(_REPAIRED)}{_REPAIRED}"))
-    for key in rig.parameters:
+    for key, parameter in rig.parameters.items():
         if key in chosen.shared:
             model["parameters"][key] = model["parameters"].get(key, {}) | {
                 "value": chosen.shared[key],
-                "unit": rig.parameters[key].unit,
+                "unit": parameter.unit,
+                "tolerance": f"{parameter.tolerance!r} {parameter.unit}".strip(),
                 "low": chosen.intervals[key][0],
                 "high": chosen.intervals[key][1],
                 "nominal": _nominal(diagnosis, key),

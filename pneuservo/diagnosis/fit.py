@@ -117,9 +117,7 @@ class Fit:
         """Return the columns of the Jacobian that belong to an effect or a ``param.`` id."""
         parameter = member.removeprefix("param.")
         columns = [
-            i
-            for i, key in enumerate(self.shared)
-            if key == parameter or key.startswith(f"{member}:")
+            i for i, key in enumerate(self.keys) if key == parameter or key.startswith(f"{member}:")
         ]
         return self.jacobian[:, columns]
 

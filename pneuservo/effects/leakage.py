@@ -75,6 +75,9 @@ _HOLD = (
     "pressure differences of both signs"
 )
 _PAST_PISTON = "leak past the piston"
+_HOLE = EffectParameter(
+    "hole", "", 0.0, 0.0, 1.0, (0.3,), "share that flows as through a hole", "leakage.cross_hole"
+)
 _OUT_OF = "leak out of chamber {}"
 CROSS_PISTON = Effect(
     id="leakage.cross-piston",
@@ -94,10 +97,7 @@ CROSS_PISTON = Effect(
             "back_flow", "", 1.0, 0.0, 4.0, (1.0,), "what of it a lip seal lets back from b to a",
             "leakage.cross_back_flow",
         ),
-        EffectParameter(
-            "hole", "", 0.0, 0.0, 1.0, (0.3,), "share that flows as through a hole",
-            "leakage.cross_hole",
-        ),
+        _HOLE,
     ),
     source="Richer and Hurmuzlu 2000, J. Dyn. Syst. Meas. Control 122; Beater 2007",
     experiment=_HOLD,
@@ -178,7 +178,10 @@ LEAK_BY_POSITION = Effect(
     statement=(
         "A worn zone of the bore leaks more past the piston; the model holds it tight everywhere."
     ),
-    equation="m_ab = (conductance exp(-((x/stroke - centre)/width)^2) + elsewhere) (pa^2 - pb^2)",
+    equation=(
+        "m_ab = (conductance exp(-((x/stroke - centre)/width)^2) + elsewhere) (pa^2 - pb^2), "
+        "hole as in leakage.cross-piston"
+    ),
     parameters=(
         EffectParameter(
             "conductance", "kg/(s*Pa**2)", 0.0, 0.0, 5e-15, (1e-16,), "in the middle of the zone",
@@ -196,6 +199,7 @@ LEAK_BY_POSITION = Effect(
             "elsewhere", "kg/(s*Pa**2)", 0.0, 0.0, 2e-15, (1e-18,), "in the rest of the bore",
             "leakage.unworn_conductance",
         ),
+        _HOLE,
     ),
     source="scratched or worn bores; form of Richer and Hurmuzlu 2000",
     experiment="hold at several places of the stroke under a pressure difference",
@@ -206,7 +210,7 @@ LEAK_BY_VELOCITY = Effect(
     block="chamber.a",
     rigs=_SERVO,
     statement="The seal lifts and leaks more while it slides; the model holds it tight.",
-    equation="m_ab = (conductance |v| + at_rest) (pa^2 - pb^2)",
+    equation="m_ab = (conductance |v| + at_rest) (pa^2 - pb^2), hole as in leakage.cross-piston",
     parameters=(
         EffectParameter(
             "conductance", "kg/(m*Pa**2)", 0.0, 0.0, 2e-14, (3e-16,), "per speed",
@@ -216,6 +220,7 @@ LEAK_BY_VELOCITY = Effect(
             "at_rest", "kg/(s*Pa**2)", 0.0, 0.0, 2e-15, (1e-18,), "the same of a seal at rest",
             "leakage.lifted_conductance",
         ),
+        _HOLE,
     ),
     source="film lubrication of lip seals; Beater 2007",
     experiment="run at several constant speeds under one pressure difference",

@@ -28,7 +28,13 @@ _LARGEST_STEP = 4e-4
 # A continuous command is held for so many parts of a sample, each at its mean.
 _PARTS = 4
 # Their laws count time from the start of a recording, which a segment does not know.
-_BY_THE_CLOCK = ("unexplained.drift", "supply.slow-drift", "supply.ripple", "sensor.noise-colour")
+_BY_THE_CLOCK = (
+    "unexplained.drift",
+    "supply.slow-drift",
+    "supply.ripple",
+    "friction.run-in",
+    "sensor.noise-colour",
+)
 # No chamber of the rig gets near vacuum [Pa].
 _LOWEST_PRESSURE = 1e4
 

@@ -125,7 +125,7 @@ def _protect_another(path: Path, sidecar: str) -> None:
     from pneuservo.recordings.reader import SUFFIXES
 
     there = path.with_suffix(".toml")
-    if not there.is_file() or there.read_bytes() == sidecar.encode():
+    if path.exists() or not there.is_file() or there.read_bytes() == sidecar.encode():
         return
     for suffix in SUFFIXES:
         other = path.with_suffix(suffix)

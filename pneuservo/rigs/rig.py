@@ -347,14 +347,14 @@ def tolerance_of_another(parameter: Parameter, value: float) -> float:
     Returns
     -------
     float
-        The same share of the value; of one that is zero, or not a number, the same tolerance.
+        The same share of the value; where either is zero, or not a number, the same tolerance.
 
     Examples
     --------
     >>> tolerance_of_another(Parameter(2.0, "kg", tolerance=0.06), 4.0)
     0.12
     """
-    if not parameter.tolerance or not abs(parameter.value) > 0.0:
+    if not parameter.tolerance or not abs(parameter.value) > 0.0 or value == 0.0:
         return parameter.tolerance
     return parameter.tolerance * abs(value / parameter.value)
 

@@ -6,7 +6,7 @@ import pytest
 from analog_card.design_file import design_to_toml, load_design
 from analog_card.errors import InputError
 from analog_card.figures import card_figures
-from analog_card.tuning import tune, weights_from_settings
+from analog_card.tuning import read_settings, retune, tune, weights_from_settings
 
 FAST_RANGE = """
 [soldered.surface_amplifier]
@@ -163,3 +163,10 @@ def test_the_resistor_advised_is_enough(tmp_path):
 def test_a_surface_faster_than_any_servo_is_refused():
     with pytest.raises(InputError, match="no surface is so fast"):
         tune(settling_time=1e-300)
+
+
+def test_a_card_that_is_damped_by_more_than_one_takes_another_settling_time():
+    design = load_design()
+    turned = replace(design.turned, velocity_weight=1.1 * design.turned.velocity_weight)
+    found = read_settings(retune(replace(design, turned=turned), settling_time=0.06))
+    assert (found.settling_time, found.damping) == pytest.approx((0.06, 1.0), rel=1e-6)

@@ -83,6 +83,13 @@ def test_a_file_states_only_what_differs(tmp_path):
     assert rig.parameters["load.mass"].tolerance == pytest.approx(0.03 * 6.82)
 
 
+def test_a_value_of_zero_is_not_known_exactly(tmp_path):
+    text = '[rig]\nkind = "single-axis"\n[parameters]\n"piston.coulomb_friction" = 0\n'
+    known = load_rig("single-axis").parameters["piston.coulomb_friction"].tolerance
+    found = load_rig(write(tmp_path, text)).parameters["piston.coulomb_friction"]
+    assert (found.value, found.tolerance) == (0.0, known)
+
+
 def test_a_tolerance_of_a_temperature_is_a_difference(tmp_path):
     text = '[rig]\nkind = "single-axis"\n[parameters]\ntemperature = {{ tolerance = "2 {}" }}\n'
     assert load_rig(write(tmp_path, text.format("K"))).parameters["temperature"].tolerance == 2.0

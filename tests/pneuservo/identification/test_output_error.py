@@ -73,7 +73,14 @@ def test_the_noise_of_the_rigs_transducers_is_not_put_into_the_model():
 
 
 @pytest.mark.parametrize(
-    "name", ["unexplained.drift", "supply.slow-drift", "supply.ripple", "sensor.noise-colour"]
+    "name",
+    [
+        "unexplained.drift",
+        "supply.slow-drift",
+        "supply.ripple",
+        "friction.run-in",
+        "sensor.noise-colour",
+    ],
 )
 def test_an_effect_that_counts_time_from_the_start_is_refused(name):
     with pytest.raises(InputError, match=f"{name}, which count time from the start"):
