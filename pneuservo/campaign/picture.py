@@ -56,6 +56,8 @@ def draw_metric(ax: "Axes", outcome: Outcome, metric: str, axis: Axis) -> "Axes"
 def campaign_figure(outcome: Outcome) -> "Figure":
     """Return a figure of every metric that some sample has against every axis that varies.
 
+    When no sample has any, every metric of the campaign has its panels, empty.
+
     Parameters
     ----------
     outcome : Outcome
@@ -69,7 +71,9 @@ def campaign_figure(outcome: Outcome) -> "Figure":
     from matplotlib.figure import Figure
 
     table = outcome.table()
-    metrics = [name for name in outcome.campaign.metrics if table[name].notna().any()]
+    found = [name for name in outcome.campaign.metrics if table[name].notna().any()]
+    # A figure without panels cannot be made, and the runs must not be lost to that.
+    metrics = found or outcome.campaign.metrics
     varying = outcome.campaign.varying or outcome.campaign.axes
     size = (1.2 + 2.9 * len(varying), 0.8 + 1.7 * len(metrics))
     figure = Figure(figsize=size, layout="constrained")

@@ -211,6 +211,16 @@ def test_every_metric_is_drawn_against_every_axis(outcome):
     assert drawn == 40
 
 
+def test_a_campaign_without_any_metric_is_drawn_empty():
+    # One set point, at which the piston starts: there is no step to measure.
+    loop = {"controller": "sliding-mode", "demand": "15 mm", "hold": 0.1}
+    settings = {**loop, "metrics": ["rise_time"], "vary": {"load.mass": "1.8, 7 kg"}}
+    outcome = run_campaign(campaign_of(settings))
+    assert outcome.table()["rise_time"].isna().all()
+    (panel,) = campaign_figure(outcome).axes
+    assert panel.get_ylabel() == "rise time\n[ms]"
+
+
 def test_more_trials_go_on_from_those_kept(tmp_path, campaign, outcome):
     run_campaign(replace(campaign, trials=2), tmp_path)
     kept = (tmp_path / SAMPLES).read_text()
