@@ -20,8 +20,6 @@ from pneuservo.simulation import simulate
 from pneuservo.tuning.evaluation import Settings, Worst
 from pneuservo.tuning.problem import LIMITED, OBJECTIVES, TuningProblem
 
-TRIALS = "check.jsonl"
-"""Name of the file in which trials of the check are kept as they come."""
 # Shares of the work that each process gets.
 _SHARES = 10
 
@@ -94,7 +92,7 @@ def run_check(
     seed : int, optional
         Of rigs and cards.
     folder : Path, optional
-        Where trials are kept as they come.
+        Where trials are kept as they come, each choice in a file of its own.
     jobs : int, optional
         Processes that the pool has.
     step : callable, optional
@@ -115,11 +113,13 @@ def run_check(
     """
     if trials == 0:
         return []
+    # A search gone on with can choose other settings: each choice has a file of its own.
+    choice = fingerprint(problem.identity(), settings, seed)
     return run_trials(
         partial(_trials, problem, settings, seed),
         trials,
-        f"check of tuning {fingerprint(problem.identity(), settings, seed)}",
-        None if folder is None else folder / TRIALS,
+        f"check of tuning {choice}",
+        folder and folder / f"check-{choice}.jsonl",
         jobs,
         step,
         pool,

@@ -242,6 +242,14 @@ def test_the_check_is_a_run_of_a_drawn_card_in_a_drawn_rig(problem, found):
             assert each.highest <= each.limit == found.located.figures[each.figure]
 
 
+def test_the_check_of_another_choice_goes_into_the_same_folder(problem, found, tmp_path):
+    settings, ran = [each.settings for each in found.tried[:2]], []
+    checked = [run_check(problem, each, 2, 4, tmp_path) for each in settings]
+    assert checked[0] != checked[1]
+    assert run_check(problem, settings[0], 2, 4, tmp_path, step=ran.append) == checked[0]
+    assert ran == []
+
+
 def test_the_check_counts_what_is_within(problem):
     worst = made_up(0.2, 0.1, 1.0)
     names = (*OBJECTIVES, *LIMITED)
