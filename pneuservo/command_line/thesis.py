@@ -10,11 +10,13 @@ from analog_card.console import Count, progress, writing
 from analog_card.files import write_whole
 
 PAGE, PICTURES = "reproduction.md", "reproduction"
+# Where the page of the whole thesis stands; no other page takes its place unless asked to.
+WHOLE = "docs"
 
 EXAMPLES = """\b
 Examples:
   pneuservo thesis
-  pneuservo thesis --chapter 8 --no-page
+  pneuservo thesis --chapter 8
   pneuservo thesis --json > rows.json
 """
 
@@ -30,9 +32,8 @@ Examples:
 @click.option(
     "--out",
     metavar="FOLDER",
-    default="docs",
-    show_default=True,
-    help=f"Folder for {PAGE} and, below it, {PICTURES}/ with the pictures.",
+    help=f"Folder for {PAGE} and, below it, {PICTURES}/ with the pictures.  [default: "
+    f"{WHOLE}; with --chapter or --rig nothing is written]",
 )
 @click.option("--page/--no-page", default=True, help="Write the page and its pictures, or neither.")
 @click.option(
@@ -49,7 +50,7 @@ Examples:
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON, nothing else.")
 def command(
     chapters: tuple[str, ...],
-    out: str,
+    out: str | None,
     page: bool,
     rig: str | None,
     jobs: int,
@@ -67,17 +68,19 @@ def command(
     given = tuple(int(name) if name.isdecimal() else name.upper() for name in chapters)
     numbers = given or CHAPTERS
     require_chapters(numbers)
-    target = Path(out) / PAGE
-    folder = _picture_folder(Path(out)) if page else None
+    whole = used is None and set(numbers) == set(CHAPTERS)
+    place = WHOLE if out is None and whole else out
+    target = Path(place) / PAGE if page and place is not None else None
+    folder = _picture_folder(target.parent) if target is not None else None
     with progress(len(set(numbers))) as step:
         found = recompute(numbers, folder, used, jobs, step)
-    if page:
+    if target is not None:
         write_whole(target, write_reproduction(found, target))
     report = to_dict(found)
     if as_json:
         click.echo(json.dumps(report, indent=2))
     else:
-        _print(found, str(target) if page else None)
+        _print(found, str(target) if target is not None else None)
 
 
 def _picture_folder(out: Path) -> Path:

@@ -69,6 +69,17 @@ def test_command_writes_page_and_pictures(tmp_path):
     assert str(len(report["rows"])) in again.stdout
 
 
+def test_a_part_does_not_take_the_place_of_the_whole_page(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = tmp_path / "docs" / "reproduction.md"
+    page.parent.mkdir()
+    page.write_text("every chapter", encoding="utf-8")
+    done = CliRunner().invoke(main, ["thesis", "--chapter", "6"])
+    assert done.exit_code == 0, done.output
+    assert "written" not in done.stdout
+    assert page.read_text(encoding="utf-8") == "every chapter"
+
+
 def test_command_refuses_what_is_not_there(tmp_path):
     wrong = CliRunner().invoke(main, ["thesis", "--chapter", "2", "--no-page"])
     assert wrong.exit_code == 2
