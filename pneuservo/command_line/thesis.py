@@ -38,7 +38,8 @@ Examples:
 @click.option("--page/--no-page", default=True, help="Write the page and its pictures, or neither.")
 @click.option(
     "--rig",
-    help="A rig for the non-linear simulations of chapter 8 as printed.  [default: single-axis]",
+    help="A rig for the non-linear simulations of chapters 5, 7 and 8 with the printed parameters: "
+    "5.21, 7.13, the remark of 7.12, and chapter 8 with its pictures.  [default: single-axis]",
 )
 @click.option(
     "--jobs",

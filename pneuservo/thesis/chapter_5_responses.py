@@ -211,20 +211,24 @@ def _nonlinear(rig: Rig) -> Iterator[Row]:
         without_valve(advanced_servo(table_5_2(), middle, True)), controller, sensitivity, TIME
     )
     late = TIME > _LATE
+    found = Finding(
+        bool(np.ptp(out[late]) < 0.1 * np.ptp(linear[late]))
+        and out.max() > 1.5
+        and back.max() < 1.35,
+        f"overshoot {100 * (out.max() - 1):.0f} % outwards (up to the end stop at "
+        f"{1e3 * rig['piston.stroke']:.0f} mm), {100 * (back.max() - 1):.0f} % inwards; after "
+        f"0.6 s it swings by {np.ptp(out[late]):.2f} of the step, the linear model by "
+        f"{np.ptp(linear[late]):.0f}",
+    )
     yield statement_row(
         "5.21-non-linear",
         "non-linear step responses with the retraction gains of position 1",
         "far less oscillatory than the linear ones; overshoot outwards clearly larger than the "
         "25 % tuned for, inwards satisfactory",
-        Finding(
-            bool(np.ptp(out[late]) < 0.1 * np.ptp(linear[late]))
-            and out.max() > 1.5
-            and back.max() < 1.35,
-            f"overshoot {100 * (out.max() - 1):.0f} % outwards (up to the end stop at 30 mm), "
-            f"{100 * (back.max() - 1):.0f} % inwards; after 0.6 s it swings by "
-            f"{np.ptp(out[late]):.2f} of the step, the linear model by {np.ptp(linear[late]):.0f}",
-        ),
+        found,
         "Figs 5.21 and 5.22",
+        # A rig of the user's need not behave as the calibrated one does.
+        "" if found.holds else "with another rig: an end stop, for one, cuts the overshoot off",
     )
     models = three_models(low, middle)
     swings = {name: float(np.ptp(response[late])) for name, response in models.items()}

@@ -57,17 +57,26 @@ def rows(rig: Rig | None = None) -> list[Row]:
     rig : Rig, optional
         For the non-linear simulation with the printed parameters, instead of the built-in one.
     """
-    sets = {
-        PRINTED: plants(PRINTED) if rig is None else printed_plants(rig),
-        RECONCILED: plants(RECONCILED),
-    }
+    sets = {PRINTED: _printed(rig), RECONCILED: plants(RECONCILED)}
     table = [row for loop in stated_loops() for row in _loop_rows(loop, sets)]
     return [*table, *statement_rows(sets), *sampled_rows(sets)]
 
 
-def pictures(folder: Path) -> list[Path]:
-    """Draw the figures of chapter 8 into a folder and return their files."""
-    return draw_all(folder)
+def pictures(folder: Path, rig: Rig | None = None) -> list[Path]:
+    """Draw the figures of chapter 8 into a folder and return their files.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to; it has to exist.
+    rig : Rig, optional
+        As for `rows`.
+    """
+    return draw_all(folder, _printed(rig))
+
+
+def _printed(rig: Rig | None) -> Plants:
+    return plants(PRINTED) if rig is None else printed_plants(rig)
 
 
 def _loop_rows(stated: StatedLoop, sets: Mapping[str, Plants]) -> Iterator[Row]:

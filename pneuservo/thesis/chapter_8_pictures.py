@@ -11,9 +11,8 @@ from pneuservo.limit_cycle import Signals, StepCourse, simulate_linear
 from pneuservo.limit_cycle.comparison import Finding, measured
 from pneuservo.limit_cycle.pictures import draw_bode, draw_error, draw_surface
 from pneuservo.report.picture_files import write_pictures
-from pneuservo.thesis.chapter_8_loops import Plants, StatedLoop, plants, stated_loop
+from pneuservo.thesis.chapter_8_loops import Plants, StatedLoop, stated_loop
 from pneuservo.thesis.chapter_8_statements import ideal_error
-from pneuservo.thesis.parameter_sets import PRINTED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,15 +22,16 @@ _ANALOGUE = {"8.1": "valve", "8.2": "valve, filter on x, v, a", "8.3": "valve, f
 _RATES = {"1 kHz": 1e-3, "2 kHz": 0.5e-3, "10 kHz": 0.1e-3}
 
 
-def draw_all(folder: Path) -> list[Path]:
+def draw_all(folder: Path, plant: Plants) -> list[Path]:
     """Draw every figure into a folder and return the files.
 
     Parameters
     ----------
     folder : Path
         Where to; it has to exist.
+    plant : Plants
+        Of the printed parameters.
     """
-    plant = plants(PRINTED)
     figures = {
         "chapter-8-bode-analogue": _bode_analogue(plant),
         "chapter-8-bode-sampled": _bode_sampled(plant),

@@ -14,7 +14,7 @@ from pneuservo.errors import InputError
 from pneuservo.rigs import Rig
 from pneuservo.thesis.rows import Row
 
-# Every chapter module has rows() and pictures(folder).
+# Every chapter module has rows() and pictures(folder); where a rig is simulated they take one too.
 CHAPTERS: tuple[int | str, ...] = (4, 5, 6, 7, 8, 9, "A1")
 
 
@@ -32,12 +32,15 @@ class Chapter:
         What is stated, beside ours.
     pictures : tuple of Path
         Drawn figures.
+    rig : str, optional
+        Title of the rig that took the place of the built-in one; empty where none did.
     """
 
     number: int | str
     title: str
     rows: tuple[Row, ...]
     pictures: tuple[Path, ...]
+    rig: str = ""
 
     @property
     def name(self) -> str:
@@ -121,11 +124,18 @@ def _name(number: int | str) -> str:
 def _recompute(number: int | str, folder: Path | None, rig: Rig | None) -> Chapter:
     file = _name(number).lower().replace(" ", "_")
     module = importlib.import_module(f"pneuservo.thesis.{file}")
-    # Chapters of linear models have no use for another plant.
-    takes_rig = "rig" in inspect.signature(module.rows).parameters
     with threadpool_limits(limits=1, user_api="blas"):
-        rows = module.rows(rig) if takes_rig and rig is not None else module.rows()
-        pictures = module.pictures(folder) if folder is not None else []
+        rows = module.rows(**_taken(module.rows, rig))
+        pictures = (
+            module.pictures(folder, **_taken(module.pictures, rig)) if folder is not None else []
+        )
     title = (module.__doc__ or "").split("\n")[0].rstrip(".")
     title = title.removeprefix(f"{_name(number)} of the thesis").lstrip(":, ")
-    return Chapter(number, title, tuple(rows), tuple(pictures))
+    used = _taken(module.rows, rig).get("rig")
+    return Chapter(number, title, tuple(rows), tuple(pictures), used.title if used else "")
+
+
+def _taken(function: Callable[..., object], rig: Rig | None) -> dict[str, Rig]:
+    """Return the rig for a function that takes one: linear models have no use for another plant."""
+    takes = rig is not None and "rig" in inspect.signature(function).parameters
+    return {"rig": rig} if takes and rig is not None else {}

@@ -1,8 +1,13 @@
 """The reproduction of chapters 5 to 7 of the thesis."""
 
+from dataclasses import replace
+
 import pytest
 
-from pneuservo.thesis import chapter_5, chapter_6, chapter_7
+from pneuservo.rigs import load_rig
+from pneuservo.thesis import chapter_5, chapter_6, chapter_7, chapter_8
+from pneuservo.thesis.chapters import recompute
+from pneuservo.thesis.page import write_reproduction
 from pneuservo.thesis.statements import Finding, statement_row
 
 
@@ -56,6 +61,32 @@ def test_contradictions_of_the_thesis_are_told(rows):
     assert rows["7.5.3-shortest"].printed == pytest.approx(0.0126, abs=5e-5)
     assert rows["7.7-10-bar"].verdict == "not"
     assert rows["7.13-highest-acceleration"].verdict == "not"
+
+
+def test_another_rig_may_do_otherwise_and_the_page_names_it(tmp_path):
+    # Its end stop allows a third of the step beyond the demand, and the statement half at least.
+    rig = load_rig("single-axis").with_values({"piston.stroke": 0.018})
+    short = replace(rig, title="a short cylinder")
+    found = {row.id: row for row in chapter_5.rows(short)}["5.21-non-linear"]
+    assert found.verdict == "not"
+    assert "end stop at 18 mm" in found.printed
+    assert "another rig" in found.reason
+    pages = [
+        write_reproduction(recompute([5, 6], rig=used), tmp_path / "page.md")
+        for used in (short, None)
+    ]
+    # Chapter 6 has no use for a rig, and says nothing of it.
+    assert [page.count("- rig: a short cylinder, in place of") for page in pages] == [1, 0]
+
+
+def test_figures_of_chapter_8_are_of_the_rig_given(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(chapter_8, "draw_all", lambda folder, plant: drawn.append(plant.rig) or [])
+    monkeypatch.setattr(chapter_8, "rows", lambda rig=None: [])
+    rig = load_rig("single-axis").with_values({"piston.stroke": 0.018})
+    recompute([8], tmp_path, rig)
+    recompute([8], tmp_path)
+    assert [each["piston.stroke"] for each in drawn] == [0.018, 0.03]
 
 
 def test_every_row_has_an_id_of_its_own_and_a_source(rows):
