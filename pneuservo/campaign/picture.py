@@ -37,6 +37,7 @@ def draw_metric(ax: "Axes", outcome: Outcome, metric: str, axis: Axis) -> "Axes"
     -------
     matplotlib.axes.Axes
         The same axes, labelled; samples are coloured by another axis of the grid, if there is one.
+        The mark of a mean is open where some samples do not have the metric.
     """
     table = outcome.table()
     other = _other(outcome, axis)
@@ -113,6 +114,17 @@ def _draw_group(
         for value in values
     ]
     ax.plot(values, means, ".-", color=colour, label=label, lw=1.0, markersize=4)
+    # What is left of the samples need not be like those that dropped out.
+    lacking = [bool((~usable & (x == value)).any()) for value in values]
+    ax.plot(
+        values[lacking],
+        np.array(means)[lacking],
+        "o",
+        color=colour,
+        markerfacecolor="white",
+        markersize=5,
+        zorder=3,
+    )
     if len(x) > len(values):
         ax.plot(x, y, ".", color=colour, markersize=2, alpha=0.4)
 

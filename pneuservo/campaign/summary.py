@@ -91,10 +91,32 @@ def grid_means(outcome: Outcome) -> pd.DataFrame:
     return table.groupby(names)[list(outcome.campaign.metrics)].mean()
 
 
+def grid_without(outcome: Outcome) -> pd.DataFrame:
+    """Return how many samples do not have each metric at each point of the grid.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        Of a campaign.
+
+    Returns
+    -------
+    pandas.DataFrame
+        As from `grid_means`, whose means leave these samples out.
+    """
+    means = grid_means(outcome)
+    if means.empty:
+        return means
+    names, metrics = list(means.index.names), list(means.columns)
+    lacking = outcome.table().set_index(names)[metrics].isna()
+    return lacking.groupby(names).sum()
+
+
 def summary(outcome: Outcome) -> dict[str, Any]:
     """Return a campaign and what it says as plain values, for JSON."""
     campaign = outcome.campaign
-    means = grid_means(outcome)
+    means = grid_means(outcome).reset_index().to_dict("records")
+    without = grid_without(outcome).to_dict("records")
     errors = [sample["error"] for sample in outcome.samples if sample["error"] is not None]
     return {
         "title": campaign.title,
@@ -108,7 +130,10 @@ def summary(outcome: Outcome) -> dict[str, Any]:
         "first_error": errors[0] if errors else None,
         "axes": [{"kind": type(axis).__name__.lower(), **asdict(axis)} for axis in campaign.axes],
         "metrics": [asdict(spread) for spread in spreads(outcome)],
-        "grid": [_plain(row) for row in means.reset_index().to_dict("records")],
+        "grid": [
+            {**_plain(row), "without": {str(key): int(count) for key, count in lacking.items()}}
+            for row, lacking in zip(means, without, strict=True)
+        ],
     }
 
 

@@ -1,6 +1,7 @@
 """Campaigns: what a sample is, and what the samples together say."""
 
 import json
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -219,6 +220,24 @@ def test_a_campaign_without_any_metric_is_drawn_empty():
     assert outcome.table()["rise_time"].isna().all()
     (panel,) = campaign_figure(outcome).axes
     assert panel.get_ylabel() == "rise time\n[ms]"
+
+
+def test_samples_without_a_metric_are_counted_at_their_point_and_seen(outcome):
+    samples = deepcopy(outcome.samples)
+    # Samples go through the grid: even ones are at 6.5 bar.
+    for index in (0, 2, 4):
+        samples[index]["metrics"]["rise_time"] = None
+    some = replace(outcome, samples=samples)
+    points = summary(some)["grid"]
+    assert [point["without"]["rise_time"] for point in points] == [3, 0]
+    left = [sample["metrics"]["rise_time"] for sample in outcome.samples[6::2]]
+    assert points[0]["rise_time"] == pytest.approx(np.mean(left), rel=1e-12)
+    opened = [
+        line.get_xdata().tolist()
+        for line in campaign_figure(some).axes[0].get_lines()
+        if line.get_markerfacecolor() == "white"
+    ]
+    assert opened == [pytest.approx([6.5])]
 
 
 def test_more_trials_go_on_from_those_kept(tmp_path, campaign, outcome):
