@@ -9,9 +9,9 @@ from pneuservo.animated_figure.figure import FRAME, AnimatedFigure
 from pneuservo.arrays import Array
 from pneuservo.simulation import Simulation
 
-# A loop has settled after so many of its own settling times or so; what then moves comes from
-# elsewhere [s].
-_QUIET_AFTER = 0.25
+# After this a loop has settled by itself, and what then moves it comes from elsewhere: state
+# feedback, the slowest, leaves up to 3 mm of a step of 7.5 mm after half of it and 0.08 mm then [s].
+_QUIET_AFTER = 1.0
 
 
 @dataclass(frozen=True)
@@ -104,12 +104,14 @@ class FigureRun:
         name : str
             Of the axis.
         quiet_after : float, optional
-            How long its own last step is given to settle [s].
+            How long its own last step is given to settle; what is left of it then counts as moved
+            by others, as does a limit cycle of its own. Give more to a slower loop [s].
 
         Returns
         -------
         Ripple or None
-            The largest of all its holds; None when no other axis is moved during one.
+            The largest of all its holds; None when no other axis is moved during one, or each
+            ends before its own step has settled.
         """
         run = self.axes[name]
         changes = np.flatnonzero(np.diff(run["demand"]) != 0.0) + 1

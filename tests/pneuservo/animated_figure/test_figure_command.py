@@ -12,6 +12,7 @@ from PIL import Image
 from pneuservo.animated_figure import load_figure, simulate_figure
 from pneuservo.animated_figure.demand import stepping
 from pneuservo.animated_figure.pictures import draw_pose, overview
+from pneuservo.animated_figure.result import FigureRun
 from pneuservo.command_line import main
 from pneuservo.controllers import SlidingMode
 from pneuservo.recordings import read_recording
@@ -82,6 +83,27 @@ def test_without_ffmpeg_no_mp4():
     found = run(*QUICK, "--animation", "arm.mp4")
     assert found.exit_code == 2
     assert "needs the program ffmpeg" in found.stderr
+
+
+def test_what_is_left_of_its_own_step_is_not_moved_by_others():
+    time = np.linspace(0.0, 2.0, 2001)
+    since = np.maximum(time - 0.2, 0.0)
+    # As state feedback has it in the jaw of a figure: 0.6 mm are left of 7.5 mm after 0.5 s.
+    own = 7.5e-3 * (1.0 - np.exp(-6.0 * since) * np.cos(23.0 * since))
+    axes = {
+        "jaw": {
+            "demand": 7.5e-3 * (time >= 0.2),
+            "displacement": own + 4e-5 * np.sin(80.0 * time) * (time >= 1.7),
+        },
+        "neck": {"demand": 7.5e-3 * ((time >= 0.5) & (time < 1.7)), "displacement": 0.0 * time},
+    }
+    moved = FigureRun(load_figure("arm"), time, axes, *np.zeros((3, len(time))))
+    ripple = moved.ripple("jaw")
+    assert ripple is not None
+    assert 0.8e-4 < ripple.peak_to_peak < 1.2e-4
+    # Without a change of another axis' demand once it has settled there is nothing to tell.
+    earlier = {**axes, "neck": {**axes["neck"], "demand": 7.5e-3 * (time >= 0.5)}}
+    assert FigureRun(moved.figure, time, earlier, *np.zeros((3, len(time)))).ripple("jaw") is None
 
 
 def test_pictures_hold_what_they_say():
