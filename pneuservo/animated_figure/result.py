@@ -9,8 +9,8 @@ from pneuservo.animated_figure.figure import FRAME, AnimatedFigure
 from pneuservo.arrays import Array
 from pneuservo.simulation import Simulation
 
-# After this a loop has settled by itself, and what then moves it comes from elsewhere: state
-# feedback, the slowest, leaves up to 3 mm of a step of 7.5 mm after half of it and 0.08 mm then [s].
+# After this a loop has settled by itself, and what then moves it comes from elsewhere: of a step of
+# 7.5 mm state feedback, the slowest, leaves up to 2.8 mm after half of it and 0.08 mm then [s].
 _QUIET_AFTER = 1.0
 
 

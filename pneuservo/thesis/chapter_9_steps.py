@@ -34,6 +34,8 @@ _SAMPLING_TIMES = (1e-3, 2e-3)
 _LAYERS = (1.0, 5.0, 20.0)
 # Voltage swing that still is switching, and that is slight, as shares of the level [V].
 _SWITCHING, _SLIGHT = 2.5, 1.0
+# With more than this share of a chattering left there is no improvement to be seen [-].
+_NO_BETTER = 0.8
 _LOCKED = (
     "away from mid-stroke ours goes on switching at 1 kHz, with a range that can hardly be seen in "
     "a plot; at 2 kHz it is quiet everywhere"
@@ -151,11 +153,13 @@ def _accelerometer() -> Iterator[Row]:
         "(b) accelerometer, relay: oscillation at low frequency",
         "at 2 ms, not at 1 ms",
         Finding(
-            mean_of(slow, "slow") > 2.0 * mean_of(relay, "slow"),
+            mean_of(slow, "slow") > SEEN > mean_of(relay, "slow"),
             f"{1e3 * mean_of(slow, 'slow'):.2f} mm below 60 Hz at 2 ms, "
             f"{1e3 * mean_of(relay, 'slow'):.2f} mm at 1 ms",
         ),
         "Figure 9.13",
+        reason="ours is there at 1 ms as well, though it is a third of that at 2 ms",
+        in_kind=mean_of(slow, "slow") > 2.0 * mean_of(relay, "slow") > 2.0 * SEEN,
     )
     run = step_run(with_accelerometer())
     layer = holds(run)
@@ -189,16 +193,20 @@ def _accelerometer() -> Iterator[Row]:
 
 def _hybrid() -> Iterator[Row]:
     relays = [holds(step_run(hybrid(0.0, period))) for period in _SAMPLING_TIMES]
+    fast, slow = (mean_of(found, "chatter") for found in relays)
+    chattery = all(hold.chatter > SEEN for found in relays for hold in found.values())
     yield statement_row(
         "9.15-chatter",
         "(c) hybrid, relay, 1 and 2 ms",
         "very chattery, without visible improvement by faster sampling",
         Finding(
-            all(hold.chatter > SEEN for found in relays for hold in found.values()),
+            chattery and fast > _NO_BETTER * slow,
             f"{_all(relays[0], 'chatter')} mm peak to peak at 1 ms, "
             f"{_all(relays[1], 'chatter')} mm at 2 ms",
         ),
         "Figure 9.15",
+        reason="very chattery with either, but ours is about half at 1 ms",
+        in_kind=chattery and fast <= _NO_BETTER * slow,
     )
     layer = holds(step_run(hybrid()))
     yield statement_row(

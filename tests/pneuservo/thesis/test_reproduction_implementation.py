@@ -20,7 +20,9 @@ from pneuservo.thesis.slow_oscillation import slow_range
 OTHERWISE = {
     "9.12-layer": "in kind",
     "9.12-widths": "in kind",
+    "9.13-slow": "in kind",
     "9.14-ends": "in kind",
+    "9.15-chatter": "in kind",
     "9.16-error": "not",
     "9.17-error-b": "in kind",
     "9.17-error-d": "in kind",
