@@ -197,7 +197,7 @@ def _conventional() -> Row:
             max(others) > 0.0,
             f"gains of table 5.4, position 1: {min(others):.1f} to {max(others):.1f} 1/s",
         ),
-        in_kind=True,
+        in_kind=max(found) <= 0.0 < max(others),
     )
 
 

@@ -4,10 +4,21 @@ from dataclasses import replace
 
 import pytest
 
+from pneuservo.linear.characteristics import over_stroke
 from pneuservo.rigs import load_rig
-from pneuservo.thesis import chapter_5, chapter_6, chapter_7, chapter_8
+from pneuservo.thesis import (
+    chapter_5,
+    chapter_5_responses,
+    chapter_5_statements,
+    chapter_6,
+    chapter_7,
+    chapter_8,
+    chapter_8_statements,
+)
+from pneuservo.thesis.chapter_8_loops import plants
 from pneuservo.thesis.chapters import recompute
 from pneuservo.thesis.page import write_reproduction
+from pneuservo.thesis.parameter_sets import PRINTED, RECONCILED
 from pneuservo.thesis.statements import Finding, statement_row
 
 
@@ -61,6 +72,46 @@ def test_contradictions_of_the_thesis_are_told(rows):
     assert rows["7.5.3-shortest"].printed == pytest.approx(0.0126, abs=5e-5)
     assert rows["7.7-10-bar"].verdict == "not"
     assert rows["7.13-highest-acceleration"].verdict == "not"
+
+
+def _as_good_either_way(data):
+    table = over_stroke(data)
+    return replace(table, gain_extending=table.gain_retracting)
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "found", "judged"),
+    [
+        (chapter_5_statements, "mass_flow_coefficient", lambda ratio, gas: ratio, "5.2-flow"),
+        (chapter_5_statements, "ultimate_gain", lambda servo: 1.0, "5.6-conventional-gain"),
+        (chapter_5_statements, "ultimate_gain", lambda servo: 1.0, "5.11-equal-areas"),
+        (chapter_5_statements, "over_stroke", _as_good_either_way, "5.10-gain"),
+        (chapter_5_responses, "largest_real_part", lambda *loop: -1.0, "5.3.1-conventional"),
+        (chapter_8_statements, "_frequency", lambda loop: 1.0 / loop.weights[0], "8.1.4-inner"),
+    ],
+)
+def test_what_holds_in_kind_can_fail(monkeypatch, module, name, found, judged):
+    monkeypatch.setattr(module, name, found)
+    made = {
+        chapter_5_statements: chapter_5_statements.statement_rows,
+        chapter_5_responses: lambda: [chapter_5_responses._conventional()],
+        chapter_8_statements: lambda: [
+            chapter_8_statements._inner_loop({kind: plants(kind) for kind in (PRINTED, RECONCILED)})
+        ],
+    }[module]()
+    (row,) = [row for row in made if row.id.startswith(judged)]
+    assert row.verdict == "not"
+
+
+def test_what_does_hold_in_kind_does(rows):
+    for row in (
+        "5.2-flow-pressure",
+        "5.3.1-conventional-gains",
+        "5.6-conventional-gain",
+        "5.10-gain",
+        "5.11-equal-areas",
+    ):
+        assert rows[row].verdict == "in kind", row
 
 
 def test_another_rig_may_do_otherwise_and_the_page_names_it(tmp_path):

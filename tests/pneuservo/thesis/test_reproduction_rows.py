@@ -1,10 +1,15 @@
 """Rows, parameter sets and the page of the reproduction."""
 
 import math
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from pneuservo.calibration.experiment import COMMANDS
 from pneuservo.errors import InputError
+from pneuservo.plant.flow_paths import FLOW_PATHS
+from pneuservo.thesis import chapter_4_valve
 from pneuservo.thesis.chapters import CHAPTERS, Chapter, recompute
 from pneuservo.thesis.page import counts, shown, to_dict, write_reproduction
 from pneuservo.thesis.parameter_sets import parameter_set, parameter_sets
@@ -93,3 +98,16 @@ def test_in_parallel_the_rows_are_the_same():
     assert [chapter.number for chapter in serial] == [6, 7]
     assert serial == parallel
     assert all(row.id for chapter in serial for row in chapter.rows)
+
+
+def test_a_volume_that_charges_too_slowly_is_not_reproduced(monkeypatch):
+    time = np.linspace(0.0, 100.0, 1001)
+    course = SimpleNamespace(time=time, modelled=np.minimum(time, 50.0))
+    rows = [
+        SimpleNamespace(path=path, command=command, **vars(course))
+        for path in FLOW_PATHS
+        for command in COMMANDS
+    ]
+    monkeypatch.setattr(chapter_4_valve, "calibrated", lambda: SimpleNamespace(rows=rows))
+    (row,) = chapter_4_valve._duration_rows()
+    assert row.verdict == NOT
