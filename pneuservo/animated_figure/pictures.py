@@ -42,7 +42,7 @@ def draw_courses(run: FigureRun, ax: "Axes", *names: str) -> "Axes":
         The same axes.
     """
     for place, name in enumerate(names or run.axes):
-        each, color = run.axes[name], f"C{place % 10}"
+        each, color = run.axes[name], _colour(place)
         ax.plot(run.time, 1e3 * each["demand"], color=color, ls="--", lw=0.7)
         ax.plot(run.time, 1e3 * each["displacement"], color=color, lw=1.0, label=name)
     ax.set_xlabel("time [s]")
@@ -85,7 +85,7 @@ def overview(run: FigureRun) -> "Figure":
     if len(run.axes) > 1:
         rods.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
     for place, each in enumerate(run.axes.values()):
-        valves.plot(run.time, each["valve_voltage"], color=f"C{place % 10}", lw=0.6)
+        valves.plot(run.time, each["valve_voltage"], color=_colour(place), lw=0.6)
     valves.set_ylabel("valve [V]")
     valves.grid(alpha=0.25)
     draw_frame(run, frame).set_ylabel("frame [m/s²]")
@@ -176,6 +176,15 @@ def draw_pose(run: FigureRun, ax: "Axes", moment: float) -> "Axes":
     return ax
 
 
+def _colour(place: int) -> tuple[float, float, float]:
+    """Return the colour of an axis by its place: ten full colours, then a light one of each."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    shades = [to_rgb(shade) for shade in colormaps["tab20"](range(20))]
+    return (shades[0::2] + shades[1::2])[place % len(shades)]
+
+
 def _draw_members(run: FigureRun, ax: "Axes") -> Callable[[int], list["Artist"]]:
     """Draw the members and return a function that moves them to a sample."""
     places = run.joints()
@@ -190,7 +199,7 @@ def _draw_members(run: FigureRun, ax: "Axes") -> Callable[[int], list["Artist"]]
     ax.plot([-0.12, 0.12], [0.0, 0.0], color="0.75", lw=6.0, solid_capstyle="butt")
     (frame,) = ax.plot([], [], color="0.3", lw=6.0, solid_capstyle="butt")
     members = [
-        ax.plot([], [], "o-", color=f"C{k % 10}", lw=4.0, ms=5.0, label=name)[0]
+        ax.plot([], [], "o-", color=_colour(k), lw=4.0, ms=5.0, label=name)[0]
         for k, name in enumerate(run.axes)
     ]
     text = ax.set_title("", fontsize="small")

@@ -11,7 +11,7 @@ from PIL import Image
 
 from pneuservo.animated_figure import load_figure, simulate_figure
 from pneuservo.animated_figure.demand import stepping
-from pneuservo.animated_figure.pictures import draw_pose, overview
+from pneuservo.animated_figure.pictures import draw_courses, draw_pose, overview
 from pneuservo.animated_figure.result import FigureRun
 from pneuservo.command_line import main
 from pneuservo.controllers import SlidingMode
@@ -104,6 +104,15 @@ def test_what_is_left_of_its_own_step_is_not_moved_by_others():
     # Without a change of another axis' demand once it has settled there is nothing to tell.
     earlier = {**axes, "neck": {**axes["neck"], "demand": 7.5e-3 * (time >= 0.5)}}
     assert FigureRun(moved.figure, time, earlier, *np.zeros((3, len(time)))).ripple("jaw") is None
+
+
+def test_axes_of_the_largest_figure_have_a_colour_each():
+    figure, time = load_figure("fourteen-axes"), np.linspace(0.0, 1.0, 2)
+    still = {"demand": time, "displacement": time}
+    run_of_all = FigureRun(figure, time, dict.fromkeys(figure.axes, still), *np.zeros((3, 2)))
+    lines = draw_courses(run_of_all, Figure().subplots()).lines
+    # The demand of an axis is dashed, in its colour.
+    assert len(lines) == 2 * len({line.get_color() for line in lines}) == 2 * 14
 
 
 def test_pictures_hold_what_they_say():
