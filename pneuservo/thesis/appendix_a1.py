@@ -240,7 +240,7 @@ def _adaptive_rows() -> Iterator[Row]:
         Finding(
             holds,
             f"each crosses the middle of its bounds at least {crossings} times in the first "
-            f"{_SHOWN:g} s; at the end no mean moves by more than {100 * moved:.2f} % of the "
+            f"{_SHOWN:g} s; at the end no mean moves by more than {100 * moved:.1g} % of the "
             "bounds from one tenth of the run to the next, though they go on switching",
         ),
         "Fig A1.15",
