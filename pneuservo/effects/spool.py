@@ -100,7 +100,7 @@ STICTION = Effect(
     statement="The spool sticks after a rest until the command has moved on; the model slides.",
     equation=(
         "xs = G(s) (u/5 V - brake sgn(xs')); xs' = 0 while |u/5 V - xs| < breakaway "
-        "(1 - (1 - sliding) exp(-rest/time)); brake is that without a rest"
+        "(1 - exp(-rest/time)/2); brake is that without a rest"
     ),
     parameters=(
         EffectParameter(
@@ -110,10 +110,6 @@ STICTION = Effect(
         EffectParameter(
             "time", "s", 0.0, 0.0, 100.0, (0.3, 30.0), "rest over which it silts up",
             "spool.stiction_time",
-        ),
-        EffectParameter(
-            "sliding", "", 0.5, 0.0, 1.0, (0.5,), "share of it that holds without a rest",
-            "spool.sliding",
         ),
     ),
     source="Merritt 1967, Hydraulic Control Systems",

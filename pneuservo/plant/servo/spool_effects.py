@@ -24,9 +24,7 @@ class SpoolEffects(NamedTuple):
     stiction: float = 0.0
     """Command error that a spool does not follow after a long rest [-]."""
     stiction_time: float = 0.0
-    """Rest over which the rest of the stiction builds up [s]; 0 for at once."""
-    sliding: float = 0.5
-    """Share of the stiction that holds and brakes without a rest [-]; all of it without a time."""
+    """Rest over which the second half of the stiction builds up [s]; 0 for at once."""
     flow_force: float = 0.0
     """Closing shift at full opening with the whole supply pressure across both edges [-]."""
     extending_stop_loss: float = 0.0
@@ -107,12 +105,11 @@ def breakaway_of_spool(rest, effects):
 
     Notes
     -----
-    Dry friction holds at once, and more as the spool silts up (Merritt 1967):
-    stiction (1 - (1 - sliding) exp(-rest/time)); without a time all at once.
+    Dry friction holds at once, and as much again as the spool silts up (Merritt 1967):
+    stiction (1 - exp(-rest/time)/2); without a time all at once.
     """
     if effects.stiction_time > 0.0:
-        grown = math.exp(-rest / effects.stiction_time)
-        return effects.stiction * (1.0 - (1.0 - effects.sliding) * grown)
+        return effects.stiction * (1.0 - 0.5 * math.exp(-rest / effects.stiction_time))
     return effects.stiction
 
 
